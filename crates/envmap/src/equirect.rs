@@ -1,0 +1,107 @@
+use std::f32::consts::{PI, TAU};
+
+use glam::{DVec3, Vec2, Vec3};
+use gnomon_image::RgbImage;
+
+/// An equirectangular (latitude-longitude) map of incoming radiance, finite and not negative.
+///
+/// Texel `(x, y)` covers `phi` in `[x, x + 1] * 2 pi / width` and `theta` in `[y, y + 1] * pi / height`, and stands for
+/// the mean radiance over that patch. See [`Equirect::direction_from_uv`] for the axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equirect {
+    radiance: RgbImage,
+}
+
+impl Equirect {
+    /// Takes linear radiance as an equirect map. The caller has cleaned it of NaN, infinite and negative texels.
+    pub fn new(radiance: RgbImage) -> Self {
+        Self { radiance }
+    }
+
+    /// The radiance of every texel, north pole (+y) row first.
+    pub fn radiance(&self) -> &RgbImage {
+        &self.radiance
+    }
+
+    /// Gives the radiance picture back.
+    pub fn into_radiance(self) -> RgbImage {
+        self.radiance
+    }
+
+    /// Width in texels.
+    pub fn width(&self) -> u32 {
+        self.radiance.width()
+    }
+
+    /// Height in texels.
+    pub fn height(&self) -> u32 {
+        self.radiance.height()
+    }
+
+    /// Unit world direction at `(u, v)` in `[0, 1]^2`, `v = 0` the +y pole: the centre looks along +z, `u = 0.25` is +x.
+    pub fn direction_from_uv(uv: Vec2) -> Vec3 {
+        let (sin_phi, cos_phi) = (TAU * uv.x).sin_cos();
+        let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
+        Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
+    }
+
+    /// Inverse of [`Equirect::direction_from_uv`] for a unit direction; `u` in `[0, 1)`, `v` in `[0, 1]`.
+    pub fn uv_from_direction(direction: Vec3) -> Vec2 {
+        let u = direction.x.atan2(-direction.z) / TAU;
+        let u = if u < 0.0 { u + 1.0 } else { u };
+        // Not acos: it loses half the digits near the poles.
+        let theta = Vec2::new(direction.x, direction.z).length().atan2(direction.y);
+        Vec2::new(if u >= 1.0 { 0.0 } else { u }, theta / PI)
+    }
+
+    /// Solid angle [sr] of each texel in row `y`: `(2 pi / width) (cos theta_top - cos theta_bottom)`.
+    pub fn texel_solid_angle(&self, y: u32) -> f64 {
+        let theta = |row: u32| std::f64::consts::PI * f64::from(row) / f64::from(self.height());
+        // cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) keeps its digits at the poles.
+        let (top, bottom) = (theta(y), theta(y + 1));
+        std::f64::consts::TAU / f64::from(self.width())
+            * 2.0
+            * (0.5 * (top + bottom)).sin()
+            * (0.5 * (bottom - top)).sin()
+    }
+
+    /// Unit direction through the centre of texel `(x, y)`.
+    pub fn texel_direction(&self, x: u32, y: u32) -> Vec3 {
+        let uv = Vec2::new((x as f32 + 0.5) / self.width() as f32, (y as f32 + 0.5) / self.height() as f32);
+        Self::direction_from_uv(uv)
+    }
+
+    /// Bilinear radiance towards a unit direction, without a seam: columns wrap, and a row past a pole continues half
+    /// a turn away.
+    pub fn lookup(&self, direction: Vec3) -> Vec3 {
+        let uv = Self::uv_from_direction(direction);
+        let (x, y) = (uv.x * self.width() as f32 - 0.5, uv.y * self.height() as f32 - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let (x0, y0) = (x0 as i64, y0 as i64);
+        let row = |y: i64| self.wrapped(x0, y).lerp(self.wrapped(x0 + 1, y), fx);
+        row(y0).lerp(row(y0 + 1), fy)
+    }
+
+    fn wrapped(&self, x: i64, y: i64) -> Vec3 {
+        let (width, height) = (i64::from(self.width()), i64::from(self.height()));
+        let (x, y) = if y < 0 {
+            (x + width / 2, -1 - y)
+        } else if y >= height {
+            (x + width / 2, 2 * height - 1 - y)
+        } else {
+            (x, y)
+        };
+        self.radiance.get(x.rem_euclid(width) as u32, y.clamp(0, height - 1) as u32)
+    }
+
+    /// Flux [radiance x sr] of the whole map, channel by channel: the sum of radiance times solid angle.
+    pub fn flux(&self) -> DVec3 {
+        (0..self.height())
+            .map(|y| {
+                let row = (0..self.width()).map(|x| self.radiance.get(x, y).as_dvec3()).sum::<DVec3>();
+                row * self.texel_solid_angle(y)
+            })
+            .sum()
+    }
+}

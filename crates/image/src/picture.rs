@@ -1,0 +1,71 @@
+use glam::Vec3;
+
+/// Rec. 709 luminance weights of linear RGB (ITU-R BT.709-6, section 3).
+pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// A picture of linear Rec. 709 radiance: row-major, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RgbImage {
+    width: u32,
+    height: u32,
+    texels: Vec<Vec3>,
+}
+
+impl RgbImage {
+    /// A `width` x `height` picture with every texel equal to `value`.
+    pub fn filled(width: u32, height: u32, value: Vec3) -> Self {
+        Self { width, height, texels: vec![value; width as usize * height as usize] }
+    }
+
+    /// A picture whose texel at column `x`, row `y` is `f(x, y)`.
+    pub fn from_fn(width: u32, height: u32, mut f: impl FnMut(u32, u32) -> Vec3) -> Self {
+        let mut texels = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                texels.push(f(x, y));
+            }
+        }
+        Self { width, height, texels }
+    }
+
+    /// A picture over existing texels; `None` unless there are exactly `width * height` of them.
+    pub fn from_texels(width: u32, height: u32, texels: Vec<Vec3>) -> Option<Self> {
+        (texels.len() == width as usize * height as usize).then_some(Self { width, height, texels })
+    }
+
+    /// Width in texels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in texels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Texel at column `x`, row `y`, counted from the top left.
+    pub fn get(&self, x: u32, y: u32) -> Vec3 {
+        self.texels[self.index(x, y)]
+    }
+
+    /// The same texel, to change it.
+    pub fn get_mut(&mut self, x: u32, y: u32) -> &mut Vec3 {
+        let index = self.index(x, y);
+        &mut self.texels[index]
+    }
+
+    /// All texels, row by row from the top.
+    pub fn texels(&self) -> &[Vec3] {
+        &self.texels
+    }
+
+    /// The same texels, to change them.
+    pub fn texels_mut(&mut self) -> &mut [Vec3] {
+        &mut self.texels
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
+        debug_assert!(x < self.width && y < self.height);
+        y as usize * self.width as usize + x as usize
+    }
+}

@@ -1,0 +1,96 @@
+use glam::{Affine2, Vec2, Vec3};
+
+use gnomon_brdf::Surface;
+
+/// Index into [`crate::Scene::textures`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureId(pub usize);
+
+/// Texture addressing outside `[0, 1]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Wrap {
+    /// Repeat.
+    #[default]
+    Repeat,
+    /// Repeat, every second copy mirrored.
+    MirroredRepeat,
+    /// The edge texel goes on.
+    ClampToEdge,
+}
+
+/// Eight-bit texels as the file holds them, RGBA, top row first; the use decides whether they are sRGB or linear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// `width * height` RGBA texels.
+    pub rgba8: Vec<[u8; 4]>,
+    /// Addressing along u and v.
+    pub wrap: [Wrap; 2],
+    /// Nearest texel instead of bilinear.
+    pub nearest: bool,
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Which texture.
+    pub texture: TextureId,
+    /// `KHR_texture_transform`: texture coordinates from mesh coordinates.
+    pub uv_from_mesh: Affine2,
+    /// Which of the mesh's two coordinate sets (0 or 1).
+    pub set: usize,
+}
+
+impl TextureRef {
+    /// Texture coordinates for the mesh's coordinates.
+    pub fn transform(&self, mesh_uv: Vec2) -> Vec2 {
+        self.uv_from_mesh.transform_point2(mesh_uv)
+    }
+}
+
+/// What alpha does.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// Texels below the cutoff are holes.
+    Mask {
+        /// Cutoff, 0..1.
+        cutoff: f32,
+    },
+}
+
+/// A surface and the textures that vary it: every texture multiplies its factor, as in glTF.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Material {
+    /// Name in the file, empty where it has none.
+    pub name: String,
+    /// Factors.
+    pub surface: Surface,
+    /// sRGB: base colour; alpha in A.
+    pub base_color_texture: Option<TextureRef>,
+    /// Linear: roughness in G, metallic in B.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Linear: tangent-space normal.
+    pub normal_texture: Option<TextureRef>,
+    /// Scale of the normal texture's x and y.
+    pub normal_scale: f32,
+    /// Linear: specular strength in A.
+    pub specular_texture: Option<TextureRef>,
+    /// sRGB: specular tint.
+    pub specular_color_texture: Option<TextureRef>,
+    /// Emitted radiance, linear.
+    pub emissive: Vec3,
+    /// sRGB: multiplies `emissive`.
+    pub emissive_texture: Option<TextureRef>,
+    /// Base-colour alpha factor.
+    pub alpha: f32,
+    /// Use of alpha.
+    pub alpha_mode: AlphaMode,
+    /// Lit from both sides; otherwise the back is culled from the camera (it still casts shadows).
+    pub double_sided: bool,
+}
