@@ -1,0 +1,112 @@
+//! Sampling against pdf by Pearson's chi-square test.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+
+mod support;
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glam::{Vec2, Vec3};
+use gnomon_brdf::*;
+use support::{Pcg, chi_square_p, direction, integrate};
+
+/// Bins in theta and phi: fine enough to see a lobe's shape, coarse enough that most bins hold samples.
+const BINS: [usize; 2] = [16, 32];
+/// Samples: a density wrong by 3 % in half the bins gives a statistic about `200_000 * 0.03^2 / 2 = 90` above the
+/// expected ~500 +- 32, nearly three standard deviations.
+const SAMPLES: usize = 200_000;
+/// Bins with fewer expected samples are pooled: below 5 the counts are not near normal (Cochran 1954).
+const MIN_EXPECTED: f64 = 5.0;
+/// Chance that a right sampler fails any of the tests of this file; shared among them by Bonferroni's rule.
+const SIGNIFICANCE: f64 = 0.01;
+/// Quadrature points in a bin and dimension for its expected count: the lobes are smooth over a bin of 5.6 x 11 degrees
+/// at alpha 0.09 and wider; 24 leave less than 1e-3 of a bin.
+const STEPS: usize = 24;
+
+/// p-value of the samples of `model` against the pdf, one further bin taking the lost samples.
+fn p_value(model: &dyn Reflectance, pdf: &dyn Fn(Vec3) -> f64, wo: Vec3, seed: u64) -> f64 {
+    let mut rng = Pcg(seed);
+    let mut counts = vec![0.0; BINS[0] * BINS[1] + 1];
+    for _ in 0..SAMPLES {
+        let (u, lobe) = (Vec2::new(rng.next_f32(), rng.next_f32()), rng.next_f32());
+        let bin = match model.sample(wo, u, lobe) {
+            None => BINS[0] * BINS[1],
+            Some(sample) => {
+                let theta = f64::from(sample.wi.z).clamp(-1.0, 1.0).acos() / FRAC_PI_2;
+                let phi = f64::from(sample.wi.y).atan2(f64::from(sample.wi.x)).rem_euclid(TAU) / TAU;
+                let i = ((theta * BINS[0] as f64) as usize).min(BINS[0] - 1);
+                i * BINS[1] + ((phi * BINS[1] as f64) as usize).min(BINS[1] - 1)
+            }
+        };
+        counts[bin] += 1.0;
+    }
+    let mut expected: Vec<f64> = (0..BINS[0] * BINS[1])
+        .map(|bin| {
+            let (i, j) = ((bin / BINS[1]) as f64, (bin % BINS[1]) as f64);
+            let (dt, dp) = (FRAC_PI_2 / BINS[0] as f64, TAU / BINS[1] as f64);
+            let patch = [[i * dt, (i + 1.0) * dt], [j * dp, (j + 1.0) * dp]];
+            SAMPLES as f64 * integrate(patch[0], patch[1], [STEPS, STEPS], pdf)
+        })
+        .collect();
+    let kept: f64 = expected.iter().sum();
+    assert!(kept <= SAMPLES as f64 * 1.002, "the pdf integrates to {}", kept / SAMPLES as f64);
+    expected.push((SAMPLES as f64 - kept).max(0.0));
+
+    let (mut statistic, mut used, mut pool) = (0.0, 0.0, [0.0; 2]);
+    for (&count, &expected) in counts.iter().zip(&expected) {
+        if expected < MIN_EXPECTED {
+            pool = [pool[0] + count, pool[1] + expected];
+        } else {
+            statistic += (count - expected).powi(2) / expected;
+            used += 1.0;
+        }
+    }
+    if pool[1] >= MIN_EXPECTED {
+        statistic += (pool[0] - pool[1]).powi(2) / pool[1];
+        used += 1.0;
+    } else {
+        // Too few are expected for the law; more than 25 cannot be chance (Poisson, mean 5: 1e-10).
+        assert!(pool[0] < 25.0, "{} samples where {} were expected", pool[0], pool[1]);
+    }
+    chi_square_p(statistic, used - 1.0)
+}
+
+fn cases() -> Vec<(Surface, f64)> {
+    let glossy = Surface { specular: 1.0, roughness: 0.5, ..Surface::default() };
+    let metal = Surface { metallic: 1.0, roughness: 0.3, base_color: Vec3::new(0.9, 0.6, 0.3), ..glossy };
+    let blend = Surface { metallic: 0.4, roughness: 0.8, ..glossy };
+    let rough = Surface { metallic: 1.0, roughness: 1.0, ..metal };
+    let matte = Surface::default();
+    [glossy, metal, blend, rough, matte]
+        .iter()
+        .flat_map(|&s| [0.0, 0.6, 1.3].map(|theta| (s, theta)))
+        .collect()
+}
+
+#[test]
+fn samples_follow_the_pdf() {
+    let cases = cases();
+    for (index, &(surface, theta)) in cases.iter().enumerate() {
+        let model = MetallicRoughness::new(surface);
+        let wo = direction(theta, 0.3);
+        let p = p_value(&model, &|wi| f64::from(model.pdf(wo, wi)), wo, 7 + index as u64);
+        assert!(p > SIGNIFICANCE / cases.len() as f64, "p {p}: {surface:?}, theta {theta}");
+    }
+}
+
+/// The test must see a sampler whose roughness is 3 % off.
+#[test]
+fn a_wrong_pdf_is_caught() {
+    let surface = Surface { metallic: 1.0, roughness: 0.5, ..Surface::default() };
+    let wrong = MetallicRoughness::new(Surface { roughness: 0.515, ..surface });
+    let wo = direction(0.6, 0.3);
+    let p = p_value(&MetallicRoughness::new(surface), &|wi| f64::from(wrong.pdf(wo, wi)), wo, 3);
+    assert!(p < 1e-6, "p {p}");
+}
+
+#[test]
+fn the_chi_square_law_is_right() {
+    // Tabulated 95 % and 99 % points (Abramowitz and Stegun, table 26.8): 50 and 100 degrees of freedom.
+    for (statistic, degrees, p) in [(67.505, 50.0, 0.05), (76.154, 50.0, 0.01), (124.342, 100.0, 0.05)] {
+        assert!((chi_square_p(statistic, degrees) / p - 1.0).abs() < 0.02);
+    }
+}
