@@ -1,1 +1,8 @@
-//! See ARCHITECTURE.md.
+//! Every shader of the project as WGSL, the resolver that puts modules together, and the structs shared with Rust.
+//!
+//! Nothing here needs a GPU: all entry points are parsed and validated by naga in the tests.
+
+pub mod layout;
+mod resolve;
+
+pub use resolve::{ENTRIES, Entry, ShaderError, Slot, modules, resolve};

@@ -1,0 +1,114 @@
+//! Rust mirrors of `types.wgsl`, field for field. `tests/layout.rs` compares names, offsets and sizes with naga's.
+//!
+//! WGSL aligns `vec3f` to 16 bytes; here every `[f32; 3]` is followed by a scalar that fills the gap.
+#![allow(missing_docs, reason = "types.wgsl documents every field once")]
+
+use bytemuck::{Pod, Zeroable};
+
+pub type Mat4 = [[f32; 4]; 4];
+
+/// [`Light::shape`] of a disk.
+pub const SHAPE_DISK: u32 = 0;
+/// [`Light::shape`] of a quadrilateral.
+pub const SHAPE_RECTANGLE: u32 = 1;
+/// [`View::flags`]: draw the environment behind the scene.
+pub const FLAG_BACKGROUND: u32 = 1;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct View {
+    pub clip_from_world: Mat4,
+    pub world_from_clip: Mat4,
+    pub eye_world: [f32; 4],
+    pub size: [u32; 2],
+    pub light_count: u32,
+    pub flags: u32,
+    pub residual_sh: [[f32; 4]; 9],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Light {
+    pub direction: [f32; 3],
+    pub shape: u32,
+    pub tangent: [f32; 3],
+    pub angular_radius: f32,
+    pub bitangent: [f32; 3],
+    pub solid_angle: f32,
+    pub radiance: [f32; 3],
+    pub footprint: f32,
+    pub corners: [[f32; 4]; 4],
+    pub light_from_world: Mat4,
+    pub map_width_world: f32,
+    pub depth_range_world: f32,
+    pub normal_offset_world: f32,
+    pub padding: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MeshVertex {
+    pub position: [f32; 3],
+    pub instance: u32,
+    pub normal: [f32; 3],
+    pub tangent_sign: f32,
+    pub tangent: [f32; 3],
+    pub padding: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Instance {
+    pub world_from_mesh: Mat4,
+    pub normal_from_mesh: Mat4,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Material {
+    pub base_color: [f32; 4],
+    pub emissive: [f32; 3],
+    pub metallic: f32,
+    pub specular_color: [f32; 3],
+    pub specular: f32,
+    pub roughness: f32,
+    pub ior: f32,
+    pub normal_scale: f32,
+    pub alpha_cutoff: f32,
+    pub uv_rows: [[f32; 4]; 12],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct HardParameters {
+    pub depth_bias: f32,
+    pub padding_0: f32,
+    pub padding_1: f32,
+    pub padding_2: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ConvolutionParameters {
+    pub order: u32,
+    pub groups: u32,
+    pub resolution: f32,
+    pub max_level: f32,
+    pub black_point: f32,
+    pub white_point: f32,
+    pub sharpening_a: f32,
+    pub sharpening_b: f32,
+    pub depth_bias: f32,
+    pub padding_0: f32,
+    pub padding_1: f32,
+    pub padding_2: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ResolveParameters {
+    pub samples: u32,
+    pub exposure: f32,
+    pub tone_mapping: u32,
+    pub padding: u32,
+}

@@ -1,0 +1,157 @@
+use std::collections::BTreeSet;
+
+/// A shader could not be put together. Always a fault of the project, never of the user's input.
+#[derive(Debug, thiserror::Error)]
+pub enum ShaderError {
+    /// An import names no module.
+    #[error("shader module `{module}` (imported by `{importer}`) does not exist")]
+    UnknownModule {
+        /// The missing module.
+        module: String,
+        /// Who asked for it.
+        importer: String,
+    },
+    /// An import names a slot that the caller has not filled.
+    #[error("shader `{importer}` needs a module in slot `{slot}`")]
+    EmptySlot {
+        /// The empty slot.
+        slot: String,
+        /// Who asked for it.
+        importer: String,
+    },
+}
+
+/// A slot's name and the module that fills it, as in `("shadow", "shadow_hard")`.
+pub type Slot<'a> = (&'a str, &'a str);
+
+/// A module with entry points and the choices for its slots: what the tests validate.
+pub struct Entry {
+    /// Module name.
+    pub module: &'static str,
+    /// Slots and every module that may fill them.
+    pub slots: &'static [(&'static str, &'static [&'static str])],
+}
+
+macro_rules! sources {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*]
+    };
+}
+
+const MODULES: &[(&str, &str)] = sources![
+    "basis",
+    "brdf_ggx",
+    "composite_additive",
+    "composite_ratio",
+    "composite_subtractive",
+    "downsample",
+    "equirect_texture",
+    "form_factor",
+    "frame",
+    "gbuffer",
+    "math",
+    "resolve",
+    "series",
+    "sh",
+    "shade",
+    "shadow_convolution",
+    "shadow_frame",
+    "shadow_hard",
+    "shadow_map",
+    "shadow_none",
+    "tonemap",
+    "transform",
+    "types",
+];
+
+/// Every module that the renderer makes a pipeline of.
+pub const ENTRIES: &[Entry] = &[
+    Entry { module: "basis", slots: &[] },
+    Entry { module: "downsample", slots: &[] },
+    Entry { module: "gbuffer", slots: &[] },
+    Entry { module: "resolve", slots: &[] },
+    Entry {
+        module: "shade",
+        slots: &[
+            ("shadow", &["shadow_none", "shadow_hard", "shadow_convolution"]),
+            ("composite", &["composite_additive", "composite_subtractive", "composite_ratio"]),
+        ],
+    },
+    Entry { module: "shadow_map", slots: &[] },
+    Entry { module: "transform", slots: &[] },
+];
+
+/// Names of all modules.
+pub fn modules() -> impl Iterator<Item = &'static str> {
+    MODULES.iter().map(|(name, _)| *name)
+}
+
+/// The WGSL of `module` with everything it imports before it, each module once.
+///
+/// A line `#import name` brings in a module, `#import slot:name` the module that `slots` puts there.
+pub fn resolve(module: &str, slots: &[Slot<'_>]) -> Result<String, ShaderError> {
+    let mut resolver = Resolver { slots, done: BTreeSet::new(), output: String::new() };
+    resolver.add(module, "the renderer")?;
+    Ok(resolver.output)
+}
+
+struct Resolver<'a> {
+    slots: &'a [Slot<'a>],
+    done: BTreeSet<String>,
+    output: String,
+}
+
+impl Resolver<'_> {
+    fn add(&mut self, module: &str, importer: &str) -> Result<(), ShaderError> {
+        if !self.done.insert(module.to_owned()) {
+            return Ok(());
+        }
+        let (_, source) = MODULES.iter().find(|(name, _)| *name == module).ok_or_else(|| {
+            ShaderError::UnknownModule { module: module.to_owned(), importer: importer.to_owned() }
+        })?;
+        let mut body = String::new();
+        for line in source.lines() {
+            match line.strip_prefix("#import ").map(str::trim) {
+                Some(import) => match import.strip_prefix("slot:") {
+                    Some(slot) => {
+                        let filled = self.slots.iter().find(|(name, _)| *name == slot);
+                        let (_, module_in_slot) = filled.ok_or_else(|| ShaderError::EmptySlot {
+                            slot: slot.to_owned(),
+                            importer: module.to_owned(),
+                        })?;
+                        self.add(module_in_slot, module)?;
+                    }
+                    None => self.add(import, module)?,
+                },
+                None => {
+                    body.push_str(line);
+                    body.push('\n');
+                }
+            }
+        }
+        self.output.push_str(&body);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_module_imported_twice_appears_once() {
+        let source =
+            resolve("shade", &[("shadow", "shadow_hard"), ("composite", "composite_ratio")]).unwrap();
+        assert_eq!(source.matches("struct View {").count(), 1);
+        assert!(!source.contains("#import"));
+    }
+
+    #[test]
+    fn an_empty_slot_and_an_unknown_module_are_named() {
+        let error = resolve("shade", &[("composite", "composite_ratio")]).unwrap_err();
+        assert!(error.to_string().contains("slot `shadow`"));
+        let error =
+            resolve("shade", &[("shadow", "shadow_moon"), ("composite", "composite_ratio")]).unwrap_err();
+        assert!(error.to_string().contains("`shadow_moon`"));
+    }
+}

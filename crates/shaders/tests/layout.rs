@@ -1,0 +1,124 @@
+//! The structs shared by Rust and WGSL have the same members at the same offsets.
+
+use std::mem::{offset_of, size_of};
+
+use gnomon_shaders::{layout, resolve};
+use naga::TypeInner;
+
+struct Field {
+    name: &'static str,
+    offset: usize,
+}
+
+/// Compares one Rust struct with the WGSL struct of the same name; the first difference, if any.
+fn difference(module: &naga::Module, name: &str, size: usize, fields: &[Field]) -> Option<String> {
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, ty)) = found else { return Some(format!("no struct {name} in WGSL")) };
+    let TypeInner::Struct { members, span } = &ty.inner else { return Some(format!("{name} is no struct")) };
+    if *span as usize != size {
+        return Some(format!("{name}: {span} bytes in WGSL, {size} in Rust"));
+    }
+    if members.len() != fields.len() {
+        return Some(format!("{name}: {} members in WGSL, {} in Rust", members.len(), fields.len()));
+    }
+    members.iter().zip(fields).find_map(|(member, field)| {
+        let same = member.name.as_deref() == Some(field.name) && member.offset as usize == field.offset;
+        (!same).then(|| {
+            format!(
+                "{name}: WGSL has {:?} at {}, Rust {} at {}",
+                member.name, member.offset, field.name, field.offset
+            )
+        })
+    })
+}
+
+macro_rules! fields {
+    ($ty:ident { $($field:ident),* $(,)? }) => {{
+        // A struct pattern without `..` fails to compile when a field is missing here.
+        let _ = |value: layout::$ty| { let layout::$ty { $($field: _),* } = value; };
+        (
+            stringify!($ty),
+            size_of::<layout::$ty>(),
+            vec![$(Field { name: stringify!($field), offset: offset_of!(layout::$ty, $field) }),*],
+        )
+    }};
+}
+
+fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
+    vec![
+        fields!(View { clip_from_world, world_from_clip, eye_world, size, light_count, flags, residual_sh }),
+        fields!(Light {
+            direction,
+            shape,
+            tangent,
+            angular_radius,
+            bitangent,
+            solid_angle,
+            radiance,
+            footprint,
+            corners,
+            light_from_world,
+            map_width_world,
+            depth_range_world,
+            normal_offset_world,
+            padding,
+        }),
+        fields!(MeshVertex { position, instance, normal, tangent_sign, tangent, padding }),
+        fields!(Instance { world_from_mesh, normal_from_mesh }),
+        fields!(Material {
+            base_color,
+            emissive,
+            metallic,
+            specular_color,
+            specular,
+            roughness,
+            ior,
+            normal_scale,
+            alpha_cutoff,
+            uv_rows,
+        }),
+        fields!(HardParameters { depth_bias, padding_0, padding_1, padding_2 }),
+        fields!(ConvolutionParameters {
+            order,
+            groups,
+            resolution,
+            max_level,
+            black_point,
+            white_point,
+            sharpening_a,
+            sharpening_b,
+            depth_bias,
+            padding_0,
+            padding_1,
+            padding_2,
+        }),
+        fields!(ResolveParameters { samples, exposure, tone_mapping, padding }),
+    ]
+}
+
+fn parse(source: &str) -> naga::Module {
+    naga::front::wgsl::parse_str(source).unwrap()
+}
+
+#[test]
+fn rust_and_wgsl_structs_agree() {
+    let module = parse(&resolve("types", &[]).unwrap());
+    for (name, size, fields) in shared() {
+        assert_eq!(difference(&module, name, size, &fields), None);
+    }
+    let in_wgsl = module.types.iter().filter(|(_, ty)| matches!(ty.inner, TypeInner::Struct { .. })).count();
+    assert_eq!(in_wgsl, shared().len(), "a struct of types.wgsl has no Rust mirror");
+}
+
+#[test]
+fn two_swapped_fields_are_found() {
+    let source = resolve("types", &[]).unwrap();
+    let swapped = source.replace(
+        "    black_point: f32,\n    white_point: f32,",
+        "    white_point: f32,\n    black_point: f32,",
+    );
+    assert_ne!(source, swapped);
+    let module = parse(&swapped);
+    let found = shared().iter().filter_map(|(n, s, f)| difference(&module, n, *s, f)).collect::<Vec<_>>();
+    assert_eq!(found.len(), 1, "{found:?}");
+}

@@ -1,0 +1,114 @@
+#import types
+#import math
+
+// What is seen through every sample of the picture: normals, reflectance, emission. No light here.
+
+@group(0) @binding(0) var<uniform> view: View;
+
+@group(1) @binding(0) var<uniform> material: Material;
+@group(1) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(1) @binding(2) var base_color_sampler: sampler;
+@group(1) @binding(3) var metallic_roughness_texture: texture_2d<f32>;
+@group(1) @binding(4) var metallic_roughness_sampler: sampler;
+@group(1) @binding(5) var normal_texture: texture_2d<f32>;
+@group(1) @binding(6) var normal_sampler: sampler;
+@group(1) @binding(7) var specular_texture: texture_2d<f32>;
+@group(1) @binding(8) var specular_sampler: sampler;
+@group(1) @binding(9) var specular_color_texture: texture_2d<f32>;
+@group(1) @binding(10) var specular_color_sampler: sampler;
+@group(1) @binding(11) var emissive_texture: texture_2d<f32>;
+@group(1) @binding(12) var emissive_sampler: sampler;
+
+struct Vertex {
+    @location(0) position_world: vec4f,
+    @location(1) normal_world: vec4f,
+    @location(2) tangent_world: vec4f,
+    @location(3) uvs: vec4f,
+    @location(4) color: vec4f,
+}
+
+struct Varying {
+    @builtin(position) position_clip: vec4f,
+    @location(0) position_world: vec3f,
+    @location(1) normal_world: vec3f,
+    @location(2) tangent_world: vec4f,
+    @location(3) uvs: vec4f,
+    @location(4) color: vec4f,
+}
+
+// 32 bytes a sample, WebGPU's default limit.
+struct GBufferSample {
+    // Octahedral shading normal, octahedral geometric normal; both face the viewer.
+    @location(0) normals: vec4f,
+    // Base colour, metallic.
+    @location(1) base_color_metallic: vec4f,
+    // Dielectric reflectance at normal incidence, and at grazing incidence.
+    @location(2) f0_f90: vec4f,
+    // Emitted radiance, roughness.
+    @location(3) emissive_roughness: vec4f,
+}
+
+@vertex
+fn gbuffer_vertex(vertex: Vertex) -> Varying {
+    var surface: Varying;
+    surface.position_clip = view.clip_from_world * vec4f(vertex.position_world.xyz, 1.0);
+    surface.position_world = vertex.position_world.xyz;
+    surface.normal_world = vertex.normal_world.xyz;
+    surface.tangent_world = vertex.tangent_world;
+    surface.uvs = vertex.uvs;
+    surface.color = vertex.color;
+    return surface;
+}
+
+// Coordinates of texture `index` (KHR_texture_transform).
+fn texture_uv(index: u32, uvs: vec4f) -> vec2f {
+    let row_u = material.uv_rows[2u * index];
+    let row_v = material.uv_rows[2u * index + 1u];
+    let uv = vec3f(select(uvs.xy, uvs.zw, row_u.w > 0.5), 1.0);
+    return vec2f(dot(row_u.xyz, uv), dot(row_v.xyz, uv));
+}
+
+@fragment
+fn gbuffer_fragment(surface: Varying) -> GBufferSample {
+    let base_color = material.base_color * surface.color
+        * textureSample(base_color_texture, base_color_sampler, texture_uv(0u, surface.uvs));
+    let metallic_roughness =
+        textureSample(metallic_roughness_texture, metallic_roughness_sampler, texture_uv(1u, surface.uvs));
+    let normal_texel = textureSample(normal_texture, normal_sampler, texture_uv(2u, surface.uvs)).xyz;
+    let specular = material.specular * textureSample(specular_texture, specular_sampler, texture_uv(3u, surface.uvs)).a;
+    let specular_color = material.specular_color
+        * textureSample(specular_color_texture, specular_color_sampler, texture_uv(4u, surface.uvs)).rgb;
+    let emissive = material.emissive * textureSample(emissive_texture, emissive_sampler, texture_uv(5u, surface.uvs)).rgb;
+    let across = dpdx(surface.position_world);
+    let down = dpdy(surface.position_world);
+    if base_color.a < material.alpha_cutoff {
+        discard;
+    }
+
+    // Every surface is two-sided: both normals are turned to the viewer's side of the triangle.
+    let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
+    let facet = cross(across, down);
+    var geometric_normal = normalize(select(normalize(surface.normal_world), facet, dot(facet, facet) > 0.0));
+    geometric_normal *= select(-1.0, 1.0, dot(geometric_normal, to_viewer) >= 0.0);
+
+    var normal = normalize(surface.normal_world);
+    let tangent_length = length(surface.tangent_world.xyz);
+    if tangent_length > 0.0 {
+        let tangent = surface.tangent_world.xyz / tangent_length;
+        let bitangent = cross(normal, tangent) * surface.tangent_world.w;
+        let tilt = (2.0 * normal_texel - 1.0) * vec3f(material.normal_scale, material.normal_scale, 1.0);
+        normal = normalize(tangent * tilt.x + bitangent * tilt.y + normal * tilt.z);
+    }
+    normal *= select(-1.0, 1.0, dot(normal, geometric_normal) >= 0.0);
+
+    // KHR_materials_ior and KHR_materials_specular.
+    let r = (material.ior - 1.0) / (material.ior + 1.0);
+    let f0 = min(r * r * specular_color, vec3f(1.0)) * specular;
+
+    var packed: GBufferSample;
+    packed.normals = vec4f(octahedral_encode(normal), octahedral_encode(geometric_normal));
+    packed.base_color_metallic = vec4f(base_color.rgb, material.metallic * metallic_roughness.b);
+    packed.f0_f90 = vec4f(f0, specular);
+    packed.emissive_roughness = vec4f(emissive, material.roughness * metallic_roughness.g);
+    return packed;
+}

@@ -1,0 +1,56 @@
+#import math
+
+// Fourier series of the shadow test [d <= z] (Annen et al. 2007; 2008 appendix, eq. 10).
+
+// Depths are scaled into [0, 0.9] before the series: it is a square wave of period 2, and with d near 0 and z near 1 it
+// would already be falling into its next period.
+const SERIES_DEPTH_SCALE: f32 = 0.9;
+
+fn series_frequency(k: u32) -> f32 {
+    return PI * (2.0 * f32(k) - 1.0);
+}
+
+// Frequencies of the four terms of one RGBA layer: k = 4 group + 1 .. 4 group + 4.
+fn series_frequencies(group: u32) -> vec4f {
+    let k = vec4f(1.0, 2.0, 3.0, 4.0) + 4.0 * f32(group);
+    return PI * (2.0 * k - 1.0);
+}
+
+// 2 / c_k for terms up to `order`, 0 beyond it.
+fn series_weights(group: u32, order: u32) -> vec4f {
+    let k = vec4f(1.0, 2.0, 3.0, 4.0) + 4.0 * f32(group);
+    return select(vec4f(0.0), 2.0 / (PI * (2.0 * k - 1.0)), k <= vec4f(f32(order)));
+}
+
+// One layer's part of s_f - 1/2: sum of (2 / c_k) [cos(c_k d) S_k - sin(c_k d) C_k].
+fn series_lit(d: f32, filtered_sin: vec4f, filtered_cos: vec4f, group: u32, order: u32) -> f32 {
+    let phase = series_frequencies(group) * d;
+    return dot(series_weights(group, order), cos(phase) * filtered_sin - sin(phase) * filtered_cos);
+}
+
+// One layer's part of the CSM-Z numerator less half the filtered depth (2008, eq. 11).
+fn series_blocker_depth(d: f32, filtered_z_sin: vec4f, filtered_z_cos: vec4f, group: u32, order: u32) -> f32 {
+    let phase = series_frequencies(group) * d;
+    return dot(series_weights(group, order), sin(phase) * filtered_z_cos - cos(phase) * filtered_z_sin);
+}
+
+// Scale, shift and clamp so that ringing only falls outside [0, 1] (2008, section 3.3, Fig. 3).
+fn suppress_ringing(s: f32, black_point: f32, white_point: f32) -> f32 {
+    return clamp((s - black_point) / (white_point - black_point), 0.0, 1.0);
+}
+
+// Darkening at contacts (2008, eq. 9).
+fn sharpen(s: f32, blocker_distance: f32, a: f32, b: f32) -> f32 {
+    return pow(max(s, 0.0), 1.0 + a * exp(-b * max(blocker_distance, 0.0)));
+}
+
+// Mip level whose trilinear lookup has the variance of a box of `width` texels seen through a tent: a bilinear lookup of
+// level i has variance 4^i / 4, and linear interpolation between levels interpolates variance linearly.
+fn level_from_width(width: f32) -> f32 {
+    if width <= 1.0 {
+        return 0.0;
+    }
+    let base = floor(log2(width));
+    let ratio = width / exp2(base);
+    return base + (ratio * ratio - 1.0) / 3.0;
+}

@@ -1,0 +1,127 @@
+#import frame
+#import equirect_texture
+#import brdf_ggx
+#import form_factor
+#import sh
+#import slot:shadow
+#import slot:composite
+
+// Radiance of every sample: all lights with their visibility, the ambient rest, emission, or the environment itself.
+
+@group(1) @binding(0) var gbuffer_depth: texture_depth_2d;
+@group(1) @binding(1) var gbuffer_normals: texture_2d<f32>;
+@group(1) @binding(2) var gbuffer_base_color_metallic: texture_2d<f32>;
+@group(1) @binding(3) var gbuffer_f0_f90: texture_2d<f32>;
+@group(1) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
+
+@group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
+
+const FLAG_BACKGROUND: u32 = 1u;
+// GGX alpha below this is a mirror to any light of finite size.
+const MIN_ALPHA: f32 = 0.0016;
+
+fn light_form_factor(light: u32, n: vec3f) -> f32 {
+    if lights[light].shape == SHAPE_DISK {
+        return disk_form_factor(n, lights[light].direction, lights[light].angular_radius);
+    }
+    return rectangle_form_factor(n, lights[light].corners);
+}
+
+fn environment_brdf(n_dot_v: f32, roughness: f32) -> vec2f {
+    let size = vec2f(textureDimensions(dfg_table));
+    let position = clamp(vec2f(n_dot_v, roughness) * size - 0.5, vec2f(0.0), size - 1.0);
+    let low = vec2i(position);
+    let high = min(low + 1, vec2i(size) - 1);
+    let t = position - vec2f(low);
+    let near = mix(textureLoad(dfg_table, low, 0).rg, textureLoad(dfg_table, vec2i(high.x, low.y), 0).rg, t.x);
+    let far = mix(textureLoad(dfg_table, vec2i(low.x, high.y), 0).rg, textureLoad(dfg_table, high, 0).rg, t.x);
+    return mix(near, far, t.y);
+}
+
+@compute @workgroup_size(8, 8)
+fn shade(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= view.size) {
+        return;
+    }
+    let ndc = (vec2f(id.xy) + 0.5) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    let depth = textureLoad(gbuffer_depth, id.xy, 0);
+    if depth == 0.0 {
+        let near = view.world_from_clip * vec4f(ndc, 1.0, 1.0);
+        let direction = normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz);
+        let shown = (view.flags & FLAG_BACKGROUND) != 0u;
+        textureStore(radiance, id.xy, vec4f(select(vec3f(0.0), equirect_lookup(background, direction, 0), shown), 0.0));
+        return;
+    }
+
+    let homogeneous = view.world_from_clip * vec4f(ndc, depth, 1.0);
+    let position_world = homogeneous.xyz / homogeneous.w;
+    let normals = textureLoad(gbuffer_normals, id.xy, 0);
+    let n = octahedral_decode(normals.xy);
+    let geometric_normal = octahedral_decode(normals.zw);
+    let base_color_metallic = textureLoad(gbuffer_base_color_metallic, id.xy, 0);
+    let f0_f90 = textureLoad(gbuffer_f0_f90, id.xy, 0);
+    let emissive_roughness = textureLoad(gbuffer_emissive_roughness, id.xy, 0);
+
+    let wo = normalize(view.eye_world.xyz - position_world * view.eye_world.w);
+    let metallic = base_color_metallic.a;
+    let diffuse_color = base_color_metallic.rgb * (1.0 - metallic);
+    let f0 = mix(f0_f90.rgb, base_color_metallic.rgb, metallic);
+    let f90 = mix(f0_f90.a, 1.0, metallic);
+    let roughness = emissive_roughness.a;
+    let alpha = max(roughness * roughness, MIN_ALPHA);
+    let n_dot_v = max(dot(n, wo), 1e-4);
+    let has_specular = f90 > 0.0;
+
+    var diffuse_unshadowed = vec3f(0.0);
+    var diffuse_shadowed = vec3f(0.0);
+    var specular_unshadowed = vec3f(0.0);
+    var specular_shadowed = vec3f(0.0);
+    for (var light = 0u; light < view.light_count; light++) {
+        let form_factor = light_form_factor(light, n);
+        if form_factor <= 0.0 {
+            continue;
+        }
+        let visible = visibility(light, position_world, geometric_normal);
+        var diffuse = lights[light].radiance * form_factor;
+        if has_specular {
+            let wi = lights[light].direction;
+            let h = normalize(wi + wo);
+            let v_dot_h = max(dot(wo, h), 0.0);
+            let n_dot_l = max(dot(n, wi), 0.0);
+            // The light's extent widens the lobe (Karis 2013, area lights): alpha' = alpha + half the light's radius.
+            let wide = saturate(alpha + 0.5 * sqrt(lights[light].solid_angle / PI));
+            let specular = f_schlick(f0, f90, v_dot_h)
+                * (d_ggx(saturate(dot(n, h)), wide) * v_smith_ggx_correlated(n_dot_v, n_dot_l, alpha)
+                    * n_dot_l * lights[light].solid_angle)
+                * lights[light].radiance;
+            specular_unshadowed += specular;
+            specular_shadowed += specular * visible;
+            diffuse *= 1.0 - max_component(f_schlick(f0_f90.rgb, f0_f90.a, v_dot_h));
+        }
+        diffuse_unshadowed += diffuse;
+        diffuse_shadowed += diffuse * visible;
+    }
+
+    let dfg = environment_brdf(n_dot_v, roughness);
+    let specular_albedo = f0 * dfg.x + f90 * dfg.y;
+    let dielectric_albedo = f0_f90.rgb * dfg.x + f0_f90.a * dfg.y;
+    let diffuse_weight = 1.0 - max_component(dielectric_albedo);
+    let diffuse = composite(
+        equirect_lookup(irradiance_full, n, 0) * diffuse_weight,
+        max(sh_irradiance(view.residual_sh, n), vec3f(0.0)) * diffuse_weight,
+        diffuse_unshadowed,
+        diffuse_shadowed,
+    );
+    var result = emissive_roughness.rgb + diffuse_color / PI * diffuse;
+    if has_specular {
+        let reflected = reflect(-wo, n);
+        let level = roughness * f32(textureNumLevels(prefiltered_full) - 1u);
+        result += composite(
+            equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo,
+            equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo,
+            specular_unshadowed,
+            specular_shadowed,
+        );
+    }
+    textureStore(radiance, id.xy, vec4f(result, 1.0));
+}

@@ -1,0 +1,65 @@
+#import shadow_frame
+#import series
+
+// Convolution soft shadows (Annen et al. 2008, sections 3 and 4.1; Fig. 2).
+
+@group(2) @binding(0) var<uniform> parameters: ConvolutionParameters;
+@group(2) @binding(1) var basis_sin: texture_2d_array<f32>;
+@group(2) @binding(2) var basis_cos: texture_2d_array<f32>;
+@group(2) @binding(3) var basis_z_sin: texture_2d_array<f32>;
+@group(2) @binding(4) var basis_z_cos: texture_2d_array<f32>;
+@group(2) @binding(5) var linear_depth: texture_2d_array<f32>;
+@group(2) @binding(6) var trilinear: sampler;
+
+fn filtered_lit(light: u32, uv: vec2f, d: f32, level: f32) -> f32 {
+    var s = 0.5;
+    for (var group = 0u; group < parameters.groups; group++) {
+        let layer = light * parameters.groups + group;
+        s += series_lit(
+            d,
+            textureSampleLevel(basis_sin, trilinear, uv, layer, level),
+            textureSampleLevel(basis_cos, trilinear, uv, layer, level),
+            group,
+            parameters.order,
+        );
+    }
+    return s;
+}
+
+// Mean depth of what is nearer than `d` under the kernel of `level` (2008, eq. 11), in scaled light depth.
+fn average_blocker_depth(light: u32, uv: vec2f, d: f32, level: f32) -> f32 {
+    let lit = filtered_lit(light, uv, d, level);
+    var sum = 0.5 * textureSampleLevel(linear_depth, trilinear, uv, light, level).r;
+    for (var group = 0u; group < parameters.groups; group++) {
+        let layer = light * parameters.groups + group;
+        sum += series_blocker_depth(
+            d,
+            textureSampleLevel(basis_z_sin, trilinear, uv, layer, level),
+            textureSampleLevel(basis_z_cos, trilinear, uv, layer, level),
+            group,
+            parameters.order,
+        );
+    }
+    // Where next to nothing blocks, the quotient means nothing and the kernel does not matter.
+    return clamp(sum / max(1.0 - lit, 1e-3), 0.0, d);
+}
+
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+    let receiver = receiver_in_light(light, position_world, normal_world);
+    if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
+        return 1.0;
+    }
+    let texels_per_metre = parameters.resolution / lights[light].map_width_world;
+    // Box width in texels for a blocker one unit of scaled depth above the receiver.
+    let width_per_depth =
+        lights[light].footprint * lights[light].depth_range_world / SERIES_DEPTH_SCALE * texels_per_metre;
+    let d = SERIES_DEPTH_SCALE * (receiver.z - parameters.depth_bias);
+
+    // First kernel: where the cone to the light meets the near plane.
+    let first_level = min(level_from_width(width_per_depth * d), parameters.max_level);
+    let z_avg = average_blocker_depth(light, receiver.xy, d, first_level);
+    let level = min(level_from_width(width_per_depth * (d - z_avg)), parameters.max_level);
+    let lit = filtered_lit(light, receiver.xy, d, level);
+    let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);
+    return sharpen(clean, d - z_avg, parameters.sharpening_a, parameters.sharpening_b);
+}

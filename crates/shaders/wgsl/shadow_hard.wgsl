@@ -1,0 +1,17 @@
+#import shadow_frame
+
+// Projective shadow map with a z-buffer test from the light's centre (Williams 1978; Heidrich 2001, section 2).
+
+@group(2) @binding(0) var<uniform> hard_parameters: HardParameters;
+@group(2) @binding(1) var depth_maps: texture_depth_2d_array;
+
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+    let receiver = receiver_in_light(light, position_world, normal_world);
+    let size = vec2i(textureDimensions(depth_maps));
+    let texel = vec2i(floor(receiver.xy * vec2f(size)));
+    if any(texel < vec2i(0)) || any(texel >= size) {
+        return 1.0;
+    }
+    let z = textureLoad(depth_maps, texel, light, 0);
+    return select(0.0, 1.0, receiver.z - hard_parameters.depth_bias <= z);
+}

@@ -1,0 +1,122 @@
+// Structs shared with Rust (`layout.rs`). A test compares every offset.
+
+struct View {
+    // Reversed depth: 1 at the near plane, 0 at infinity.
+    clip_from_world: mat4x4f,
+    world_from_clip: mat4x4f,
+    // xyz: eye position (w = 1, perspective) or direction to the viewer (w = 0, parallel).
+    eye_world: vec4f,
+    // Picture size in samples.
+    size: vec2u,
+    light_count: u32,
+    // Bit 0: draw the environment behind the scene.
+    flags: u32,
+    // SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
+    residual_sh: array<vec4f, 9>,
+}
+
+const SHAPE_DISK: u32 = 0u;
+const SHAPE_RECTANGLE: u32 = 1u;
+
+// A distant uniform area light and its shadow map's frame.
+struct Light {
+    direction: vec3f,
+    shape: u32,
+    // Axes of the tangent plane at `direction`, the same as the shadow map's u and v.
+    tangent: vec3f,
+    // Disk only [rad].
+    angular_radius: f32,
+    bitangent: vec3f,
+    // [sr]
+    solid_angle: f32,
+    radiance: vec3f,
+    // Width of the box-filtered mip texel whose variance equals the outline's, for a blocker one metre above [m / m].
+    footprint: f32,
+    // Rectangle only: unit directions, counter-clockwise seen from the scene.
+    corners: array<vec4f, 4>,
+    // Orthographic: xy in [-1, 1], z the linear depth in [0, 1] from near to far.
+    light_from_world: mat4x4f,
+    // Edge length of the square shadow map [m].
+    map_width_world: f32,
+    // Distance from near to far plane [m].
+    depth_range_world: f32,
+    // Distance by which a receiver is moved along its normal against self-shadowing [m].
+    normal_offset_world: f32,
+    padding: f32,
+}
+
+// One vertex as it lies in its mesh.
+struct MeshVertex {
+    position: vec3f,
+    // Index into the instance transforms.
+    instance: u32,
+    normal: vec3f,
+    tangent_sign: f32,
+    tangent: vec3f,
+    padding: f32,
+}
+
+// Rigid or affine placement of a mesh.
+struct Instance {
+    world_from_mesh: mat4x4f,
+    // Inverse transpose, for normals.
+    normal_from_mesh: mat4x4f,
+}
+
+// Factors of a material; textures multiply them.
+struct Material {
+    base_color: vec4f,
+    emissive: vec3f,
+    metallic: f32,
+    specular_color: vec3f,
+    specular: f32,
+    roughness: f32,
+    ior: f32,
+    normal_scale: f32,
+    // Alpha below this is a hole; 0 for opaque materials.
+    alpha_cutoff: f32,
+    // Rows of uv_from_mesh (xyz) and the coordinate set (w), two vectors a texture, in the order of the bindings.
+    uv_rows: array<vec4f, 12>,
+}
+
+// Parameters of hard shadow maps.
+struct HardParameters {
+    // Receiver depth is moved towards the light by this much, in light depth.
+    depth_bias: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
+}
+
+// Parameters of convolution shadows (Annen et al. 2008).
+struct ConvolutionParameters {
+    // Terms of the series, M.
+    order: u32,
+    // RGBA layers a light needs for M terms.
+    groups: u32,
+    // Edge length of the shadow map in texels.
+    resolution: f32,
+    // Coarsest mip level.
+    max_level: f32,
+    // Ringing suppression: value of the series that becomes 0, and that becomes 1.
+    black_point: f32,
+    white_point: f32,
+    // Sharpening p = 1 + A exp(-B (d - z_avg)).
+    sharpening_a: f32,
+    sharpening_b: f32,
+    // Receiver depth is moved towards the light by this much, in light depth.
+    depth_bias: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
+}
+
+struct ResolveParameters {
+    // Samples along a pixel's side.
+    samples: u32,
+    // 2^EV.
+    exposure: f32,
+    // 0 clip, 1 Khronos PBR Neutral.
+    tone_mapping: u32,
+    padding: u32,
+}
