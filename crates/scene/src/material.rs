@@ -65,7 +65,7 @@ pub enum AlphaMode {
 }
 
 /// A surface and the textures that vary it: every texture multiplies its factor, as in glTF.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name in the file, empty where it has none.
     pub name: String,
@@ -93,4 +93,25 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Lit from both sides; otherwise the back is culled from the camera (it still casts shadows).
     pub double_sided: bool,
+}
+
+impl Default for Material {
+    /// Grey and matte (Lambert 0.5), opaque, single-sided, without textures.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            surface: Surface::default(),
+            base_color_texture: None,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            specular_texture: None,
+            specular_color_texture: None,
+            emissive: Vec3::ZERO,
+            emissive_texture: None,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+        }
+    }
 }
