@@ -3,6 +3,19 @@
 //! One picture type serves the whole project: [`RgbImage`], three `f32` a texel, linear Rec. 709 radiance,
 //! row-major, top row first. Decoders are chosen by content, encoders by file name (see `CONVENTIONS.md`).
 
+pub mod atomic;
+mod error;
+pub mod exr;
+mod file;
+pub mod hdr;
+pub mod ldr;
 mod picture;
+pub mod tonemap;
 
+pub use error::{DecodeError, ImageError};
+pub use file::{Decoded, EnvironmentAttribute, Format, Mask, decode, formats, read, read_mask, write};
 pub use picture::{LUMINANCE, RgbImage};
+pub use tonemap::ToneMapping;
+
+/// Largest picture that is read, in texels: 16384 x 8192. It takes 1.5 GiB in memory.
+pub const MAX_TEXELS: u64 = 1 << 27;
