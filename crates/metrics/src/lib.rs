@@ -1,1 +1,26 @@
-//! See ARCHITECTURE.md.
+//! How far a picture is from the truth, and how far it may be.
+//!
+//! [`compare`] measures everything at once: relative errors of the linear radiance, peak signal-to-noise ratio and
+//! FLIP of what a display would show. [`tolerances`] holds every limit that the project's tests set, each with its
+//! reason. A mean alone hides a missing shadow (a few pixels, all wrong); the error-weighted percentiles, the regions
+//! and [`penumbra`] are there because they do not.
+
+mod color_map;
+mod compare;
+mod difference;
+mod display;
+mod flip;
+mod mask;
+pub mod penumbra;
+pub mod tolerances;
+mod weighted;
+mod z_test;
+
+pub use color_map::magma;
+pub use compare::{Comparison, FlipSummary, MetricsError, WorstPixel, compare, compare_displayed};
+pub use difference::{flip_difference, signed_difference};
+pub use display::{DISPLAY_MAPPING, Exposure};
+pub use flip::{FlipMap, PIXELS_PER_DEGREE, flip};
+pub use mask::{Mask, Region, RegionError};
+pub use weighted::error_weighted_percentile;
+pub use z_test::{ZTest, z_test};

@@ -1,0 +1,78 @@
+//! Every tolerance of the project, in one place, so that none is loosened in passing. A test that needs a limit takes it
+//! from here; a new limit is added here with its reason.
+//!
+//! Relative errors are against the mean of the reference over all pixels and channels ([`crate::Comparison`]).
+
+/// Ray-traced reference against an independent renderer: relative difference of the mean, 0.5 %. Far above the noise of a
+/// mean over 49,152 pixels, far below any error of solid angle, albedo or cosine.
+pub const REFERENCE_MEAN: f64 = 0.005;
+
+/// Ray-traced reference at 1024 samples against an independent renderer: relative RMSE. The other side's noise alone is
+/// 0.007 to 0.008.
+pub const REFERENCE_RELATIVE_RMSE: f64 = 0.02;
+
+/// Limit on |z| of a pixel in the z-test of two noisy pictures. A normal distribution leaves 0.006 % of the values outside,
+/// so what fails beyond [`Z_TEST_PASSING`] is bias.
+pub const Z_TEST_LIMIT: f32 = 4.0;
+
+/// Share of pixels that pass the z-test against an independent renderer.
+pub const Z_TEST_PASSING: f64 = 0.995;
+
+/// Real-time picture with at most [`GPU_LIGHTS`] lights against ray-traced truth: relative RMSE. Image-based lighting
+/// without shadows has 0.21, the same fits with exact shadows have 0.035 to 0.05.
+pub const GPU_RELATIVE_RMSE: f64 = 0.08;
+
+/// Number of lights for which [`GPU_RELATIVE_RMSE`] must hold.
+pub const GPU_LIGHTS: usize = 80;
+
+/// Flux of lights and residual against the map's flux, relative, channel by channel.
+pub const FLUX: f64 = 1e-4;
+
+/// How many lights the disk fit may find more or fewer than Arbree et al. 2005 on the four probes of their paper.
+pub const FIT_COUNT: usize = 4;
+
+/// Turning a map by 90 degrees turns its lights: angle between a light's direction and the turned one [rad]. A quarter
+/// turn is a whole number of texels, so only rounding is left.
+pub const FIT_ROTATION: f32 = 1e-3;
+
+/// Time of any light fit on a 1024 x 512 map on two cores [ms].
+pub const FIT_MILLISECONDS: f64 = 250.0;
+
+/// Nine irradiance coefficients against published ones, after one scale for each map: relative L2 difference. The
+/// published ones carry three digits and an older decoding of the files.
+pub const SH_L2: f64 = 0.01;
+
+/// Two projections of one environment (lat-long, cube, angular probe): relative RMSE of the resampled radiance. The twins
+/// were resampled once by their makers, with another filter.
+pub const PROJECTION_RELATIVE_RMSE: f64 = 0.03;
+
+/// Constant environment over a Lambert surface, and the GGX furnace: relative difference from the closed form, ray traced
+/// with many samples.
+pub const FURNACE: f64 = 0.01;
+
+/// Penumbra width of a disk light above a plane edge against the closed form, relative, parallel occluder.
+pub const PENUMBRA_WIDTH: f32 = 0.10;
+
+/// Error-weighted median of FLIP for a soft shadow that is right. `tests/compare.rs` has 0.01 for noise of 2 %, 0.05 for a
+/// penumbra 10 % too wide, 0.18 for one twice too wide, 0.30 for a hard edge and 0.61 for a missing shadow, where the mean
+/// tells none of them from noise. Noise around a shadow drowns a fault as small as the 10 %: measure inside a region, and
+/// gate on [`PENUMBRA_WIDTH`] as well.
+pub const SHADOW_FLIP_WEIGHTED_MEDIAN: f32 = 0.04;
+
+/// A shader function against its Rust twin in `f32`, relative to the larger of the value and 1: both sides may fuse and
+/// reorder, and WGSL allows a few ulp for transcendental functions.
+pub const SHADER_TWIN: f32 = 1e-4;
+
+/// A golden picture against the same picture on another driver: relative RMSE. Drivers differ in the last bits of
+/// filtering and in the coverage of edge pixels.
+pub const GOLDEN_RELATIVE_RMSE: f64 = 0.005;
+
+/// FLIP against the reference implementation of its authors: absolute difference of a pixel. Both compute in `f32` but sum
+/// in another order.
+pub const FLIP_PIXEL: f32 = 1e-4;
+
+/// Damaged input: wall-clock limit for its one clear error [s].
+pub const BAD_INPUT_SECONDS: u64 = 10;
+
+/// Damaged input: memory limit [bytes].
+pub const BAD_INPUT_BYTES: u64 = 2 << 30;
