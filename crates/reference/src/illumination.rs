@@ -1,0 +1,239 @@
+use glam::{DVec2, Vec3};
+use gnomon_image::LUMINANCE;
+use gnomon_lights::{DistantLight, LightShape};
+
+use crate::environment::{EnvironmentSampler, choose};
+
+/// Light from infinity: a map, area lights, or both, drawn in proportion to their luminous flux.
+pub(crate) struct Illumination<'a> {
+    map: Option<EnvironmentSampler<'a>>,
+    lights: Vec<AreaLight>,
+    /// Cumulative chance of the map (first) and of every light, ending at 1; empty for darkness.
+    cumulative: Vec<f64>,
+}
+
+/// A direction drawn towards a light.
+pub(crate) struct LightSample {
+    pub(crate) wi: Vec3,
+    pub(crate) radiance: Vec3,
+    /// Density over everything that shines from there [1/sr].
+    pub(crate) pdf: f64,
+}
+
+impl<'a> Illumination<'a> {
+    pub(crate) fn new(map: Option<EnvironmentSampler<'a>>, lights: &[DistantLight]) -> Self {
+        let lights: Vec<AreaLight> = lights.iter().filter_map(AreaLight::new).collect();
+        let map_flux = map.as_ref().map_or(0.0, EnvironmentSampler::luminous_flux);
+        let mut total = 0.0;
+        let mut cumulative: Vec<f64> = std::iter::once(map_flux)
+            .chain(lights.iter().map(|light| light.luminous_flux))
+            .map(|flux| {
+                total += flux;
+                total
+            })
+            .collect();
+        if total > 0.0 && total.is_finite() {
+            cumulative.iter_mut().for_each(|weight| *weight /= total);
+        } else {
+            cumulative.clear();
+        }
+        Self { map, lights, cumulative }
+    }
+
+    /// A direction drawn by `u` and `u_choice`, each in `[0, 1)`; `None` where nothing shines.
+    pub(crate) fn sample(&self, u: DVec2, u_choice: f64) -> Option<LightSample> {
+        if self.cumulative.is_empty() {
+            return None;
+        }
+        let wi = match choose(&self.cumulative, u_choice).0 {
+            0 => self.map.as_ref()?.sample(u)?,
+            light => self.lights[light - 1].sample(u),
+        };
+        let (radiance, pdf) = self.evaluate(wi);
+        (pdf > 0.0).then_some(LightSample { wi, radiance, pdf })
+    }
+
+    /// Radiance from a direction, and the density with which [`Illumination::sample`] draws it [1/sr].
+    pub(crate) fn evaluate(&self, wi: Vec3) -> (Vec3, f64) {
+        let Some(&map_chance) = self.cumulative.first() else { return (Vec3::ZERO, 0.0) };
+        let mut radiance = Vec3::ZERO;
+        let mut pdf = 0.0;
+        if let Some(map) = &self.map {
+            radiance = map.radiance(wi);
+            pdf = map_chance * map.pdf(wi, radiance);
+        }
+        for (light, chances) in self.lights.iter().zip(self.cumulative.windows(2)) {
+            if let Some(light_pdf) = light.pdf(wi) {
+                radiance += light.radiance;
+                pdf += (chances[1] - chances[0]) * light_pdf;
+            }
+        }
+        (radiance, pdf)
+    }
+}
+
+/// A [`DistantLight`] prepared for sampling.
+struct AreaLight {
+    radiance: Vec3,
+    luminous_flux: f64,
+    direction: Vec3,
+    tangent: Vec3,
+    bitangent: Vec3,
+    outline: Outline,
+}
+
+enum Outline {
+    /// Cone, by `1 - cos` of its half angle.
+    Disk { one_minus_cos: f64 },
+    /// Convex quadrilateral on the plane that touches the sphere at `direction`, counter-clockwise in `(tangent, bitangent)`.
+    Quadrilateral {
+        corners: [DVec2; 4],
+        area: f64,
+        /// Share of the first of the triangles `012` and `023`.
+        first: f64,
+    },
+}
+
+impl AreaLight {
+    /// `None` for a light that is black, has no extent, or reaches behind the plane of its own centre.
+    fn new(light: &DistantLight) -> Option<Self> {
+        let outline = match light.shape {
+            LightShape::Disk { angular_radius } => {
+                let half_sine = f64::from(0.5 * angular_radius).sin();
+                Outline::Disk { one_minus_cos: 2.0 * half_sine * half_sine }
+            }
+            LightShape::Rectangle { corners } => {
+                if corners.iter().any(|corner| corner.dot(light.direction) <= 0.0) {
+                    return None;
+                }
+                let mut corners = corners.map(|corner| {
+                    let depth = f64::from(corner.dot(light.direction));
+                    DVec2::new(corner.dot(light.tangent).into(), corner.dot(light.bitangent).into()) / depth
+                });
+                let half = |a: DVec2, b: DVec2, c: DVec2| 0.5 * (b - a).perp_dot(c - a);
+                if half(corners[0], corners[1], corners[2]) < 0.0 {
+                    corners.reverse();
+                }
+                let [a, b, c, d] = corners;
+                let area = half(a, b, c) + half(a, c, d);
+                Outline::Quadrilateral { corners, area, first: half(a, b, c) / area }
+            }
+        };
+        let luminous_flux = f64::from(light.radiance.dot(LUMINANCE)) * f64::from(light.solid_angle);
+        let extent = match outline {
+            Outline::Disk { one_minus_cos } => one_minus_cos,
+            Outline::Quadrilateral { area, .. } => area,
+        };
+        (luminous_flux > 0.0 && extent > 0.0).then_some(Self {
+            radiance: light.radiance,
+            luminous_flux,
+            direction: light.direction,
+            tangent: light.tangent,
+            bitangent: light.bitangent,
+            outline,
+        })
+    }
+
+    /// A direction inside the outline.
+    fn sample(&self, u: DVec2) -> Vec3 {
+        let (x, y, z) = match self.outline {
+            Outline::Disk { one_minus_cos } => {
+                let h = u.x * one_minus_cos;
+                let r = (h * (2.0 - h)).sqrt();
+                let (sin_phi, cos_phi) = (std::f64::consts::TAU * u.y).sin_cos();
+                (r * cos_phi, r * sin_phi, 1.0 - h)
+            }
+            Outline::Quadrilateral { corners: [a, b, c, d], first, .. } => {
+                let (u_x, [b, c]) =
+                    if u.x < first { (u.x / first, [b, c]) } else { ((u.x - first) / (1.0 - first), [c, d]) };
+                // Uniform in a triangle: the square root spreads the points evenly away from `a`.
+                let s = u_x.clamp(0.0, 1.0).sqrt();
+                let p = a + s * ((b - a) + u.y * (c - b));
+                (p.x, p.y, 1.0)
+            }
+        };
+        let local = glam::DVec3::new(x, y, z).normalize().as_vec3();
+        (self.tangent * local.x + self.bitangent * local.y + self.direction * local.z).normalize()
+    }
+
+    /// Density of [`AreaLight::sample`] [1/sr]; `None` outside the outline.
+    fn pdf(&self, wi: Vec3) -> Option<f64> {
+        match self.outline {
+            Outline::Disk { one_minus_cos } => {
+                // The squared chord is 2 (1 - cos) and keeps its digits for a small disk.
+                let inside = f64::from(wi.distance_squared(self.direction)) <= 2.0 * one_minus_cos;
+                inside.then(|| 1.0 / (std::f64::consts::TAU * one_minus_cos))
+            }
+            Outline::Quadrilateral { corners, area, .. } => {
+                let depth = f64::from(wi.dot(self.direction));
+                if depth <= 0.0 {
+                    return None;
+                }
+                let p = DVec2::new(wi.dot(self.tangent).into(), wi.dot(self.bitangent).into()) / depth;
+                let inside =
+                    (0..4).all(|i| (corners[(i + 1) % 4] - corners[i]).perp_dot(p - corners[i]) >= 0.0);
+                // An area element of the plane subtends depth^3 of itself.
+                inside.then(|| 1.0 / (area * depth * depth * depth))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::sampler::{Decision, Sequence};
+
+    fn lights() -> Vec<DistantLight> {
+        let frame = [DVec3::X, DVec3::Y, DVec3::NEG_Z];
+        vec![
+            DistantLight::disk(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.3, DVec3::new(1.0, 2.0, 3.0)),
+            DistantLight::disk(DVec3::new(1.0, 2.0, 0.7).normalize(), 0.2, DVec3::ONE),
+            DistantLight::rectangle(frame, DVec2::new(-0.9, 0.2), DVec2::new(0.4, 0.8), DVec3::splat(4.0)),
+        ]
+    }
+
+    /// The mean of radiance over pdf is the flux of all lights, overlaps included.
+    #[test]
+    fn samples_carry_the_whole_flux() {
+        let lights = lights();
+        let expected: DVec3 = lights.iter().map(DistantLight::flux).sum();
+        let illumination = Illumination::new(None, &lights);
+        let sequence = Sequence::new(1, 2, 3);
+        let count = 1 << 14;
+        let mut sum = DVec3::ZERO;
+        for index in 0..count {
+            let u = sequence.pair(index, Decision::LightDirection);
+            let choice = sequence.pair(index, Decision::LightAndLobe).x;
+            let sample = illumination.sample(u, choice).unwrap();
+            assert!(lights.iter().any(|light| light.contains(sample.wi)) || sample.pdf > 0.0);
+            sum += sample.radiance.as_dvec3() / sample.pdf;
+        }
+        let flux = sum / f64::from(count);
+        assert!((flux / expected - 1.0).abs().max_element() < 5e-3, "{flux} against {expected}");
+    }
+
+    #[test]
+    fn outlines_agree_with_the_lights_own() {
+        let lights = lights();
+        let sequence = Sequence::new(4, 0, 0);
+        for light in &lights {
+            let area = AreaLight::new(light).unwrap();
+            for index in 0..2000 {
+                let u = sequence.pair(index, Decision::Reflection);
+                let d = gnomon_envmap::Equirect::direction_from_uv(u.as_vec2());
+                assert_eq!(area.pdf(d).is_some(), light.contains(d), "{light:?} {d}");
+                assert!(area.pdf(area.sample(0.001 + 0.998 * u)).is_some(), "{light:?} {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn darkness_has_no_samples() {
+        let dark = Illumination::new(None, &[]);
+        assert!(dark.sample(DVec2::splat(0.3), 0.2).is_none());
+        assert_eq!(dark.evaluate(Vec3::X), (Vec3::ZERO, 0.0));
+    }
+}

@@ -1,0 +1,203 @@
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use glam::{DVec3, UVec2, Vec2, Vec3};
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_lights::LightSet;
+use gnomon_scene::{Camera, Scene};
+use rayon::prelude::*;
+
+use crate::camera_ray::check_camera;
+use crate::environment::EnvironmentSampler;
+use crate::illumination::Illumination;
+use crate::sampler::{Decision, Sequence};
+use crate::shade::Tracer;
+use crate::traced_scene::TracedScene;
+use crate::{ReferenceError, camera_ray};
+
+/// Largest picture: 64 million pixels, 1.6 GB of mean and variance.
+pub const MAX_PIXELS: u64 = 1 << 26;
+
+/// Independent batches of samples of a pixel. Samples of a batch are stratified together, so only the spread of batch
+/// means tells the variance without bias; 32 give it within a quarter, and lose little stratification.
+const BATCHES: u32 = 32;
+
+/// How to render a reference picture.
+#[derive(Clone, Copy)]
+pub struct ReferenceOptions<'a> {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Samples of a pixel, at least 2; above 32 rounded up to a multiple of 32. Powers of two are the most even.
+    pub samples_per_pixel: u32,
+    /// The same seed gives the same picture, bit for bit.
+    pub seed: u64,
+    /// Told the finished share, 0..1, now and then, from any thread.
+    pub progress: Option<&'a (dyn Fn(f32) + Sync)>,
+    /// Set it to stop early, with [`ReferenceError::Cancelled`].
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl Default for ReferenceOptions<'_> {
+    fn default() -> Self {
+        Self { width: 1024, height: 768, samples_per_pixel: 256, seed: 0, progress: None, cancel: None }
+    }
+}
+
+/// An unbiased estimate of every pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean radiance.
+    pub mean: RgbImage,
+    /// Variance of `mean` (the square of its standard error), estimated without bias.
+    pub variance: RgbImage,
+    /// Samples that every pixel got.
+    pub samples_per_pixel: u32,
+}
+
+/// Whether a fit's residual map is blocked by the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ResidualShadows {
+    /// The scene blocks it as it blocks the lights: what an exact renderer would make of the set.
+    Cast,
+    /// It reaches every surface, as ambient light does: what the GPU renderer makes of it.
+    #[default]
+    Ignore,
+}
+
+/// The scene under the environment itself.
+///
+/// # Errors
+/// See [`ReferenceError`].
+pub fn render(
+    scene: &Scene,
+    camera: &Camera,
+    environment: &Equirect,
+    options: &ReferenceOptions,
+) -> Result<Estimate, ReferenceError> {
+    check(camera, &[environment], options)?;
+    let tracer = Tracer {
+        scene: TracedScene::new(scene)?,
+        shadowed: Illumination::new(Some(EnvironmentSampler::new(environment)), &[]),
+        unshadowed: None,
+        background: environment,
+    };
+    estimate(&tracer, camera, options)
+}
+
+/// The scene under fitted lights and their residual, in front of `background`: what the fit leaves of the truth with exact
+/// shadows.
+///
+/// # Errors
+/// See [`ReferenceError`].
+pub fn render_lights(
+    scene: &Scene,
+    camera: &Camera,
+    lights: &LightSet,
+    residual_shadows: ResidualShadows,
+    background: &Equirect,
+    options: &ReferenceOptions,
+) -> Result<Estimate, ReferenceError> {
+    check(camera, &[&lights.residual, background], options)?;
+    let residual = EnvironmentSampler::new(&lights.residual);
+    let (shadowed, unshadowed) = match residual_shadows {
+        ResidualShadows::Cast => (Illumination::new(Some(residual), &lights.lights), None),
+        ResidualShadows::Ignore => {
+            (Illumination::new(None, &lights.lights), Some(Illumination::new(Some(residual), &[])))
+        }
+    };
+    let tracer = Tracer { scene: TracedScene::new(scene)?, shadowed, unshadowed, background };
+    estimate(&tracer, camera, options)
+}
+
+fn check(camera: &Camera, maps: &[&Equirect], options: &ReferenceOptions) -> Result<(), ReferenceError> {
+    let &ReferenceOptions { width, height, samples_per_pixel, .. } = options;
+    if width == 0 || height == 0 {
+        return Err(ReferenceError::EmptyPicture { width, height });
+    }
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(ReferenceError::PictureTooLarge { width, height });
+    }
+    if samples_per_pixel == 0 {
+        return Err(ReferenceError::NoSamples);
+    }
+    if maps.iter().any(|map| map.width() == 0 || map.height() == 0) {
+        return Err(ReferenceError::EmptyEnvironment);
+    }
+    check_camera(camera)
+}
+
+fn estimate(
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &ReferenceOptions,
+) -> Result<Estimate, ReferenceError> {
+    let &ReferenceOptions { width, height, seed, .. } = options;
+    let requested = options.samples_per_pixel.max(2);
+    let batches = requested.min(BATCHES);
+    let batch_size = requested.div_ceil(batches);
+    let size = UVec2::new(width, height);
+    let cancelled = || options.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
+
+    let mut mean = RgbImage::filled(width, height, Vec3::ZERO);
+    let mut variance = RgbImage::filled(width, height, Vec3::ZERO);
+    let finished_rows = AtomicU32::new(0);
+    let rows = mean
+        .texels_mut()
+        .par_chunks_mut(width as usize)
+        .zip(variance.texels_mut().par_chunks_mut(width as usize))
+        .enumerate();
+    // Single rows, so that a slow part of the picture is spread over all threads.
+    rows.with_max_len(1).try_for_each(|(y, (mean_row, variance_row))| {
+        for (x, (mean, variance)) in mean_row.iter_mut().zip(variance_row).enumerate() {
+            if cancelled() {
+                return Err(ReferenceError::Cancelled);
+            }
+            let corner = Vec2::new(x as f32, y as f32);
+            let batch_means = (0..batches).map(|batch| {
+                let sequence = Sequence::new(seed, y as u32 * width + x as u32, batch);
+                let sum: DVec3 = (0..batch_size)
+                    .map(|index| {
+                        let place = corner + sequence.pair(index, Decision::Pixel).as_vec2();
+                        let ray = camera_ray(camera, size, place);
+                        tracer.radiance(&ray, &sequence, index).as_dvec3()
+                    })
+                    .sum();
+                sum / f64::from(batch_size)
+            });
+            (*mean, *variance) = mean_and_variance(batch_means);
+        }
+        if let Some(progress) = options.progress {
+            let finished = finished_rows.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(finished as f32 / height as f32);
+        }
+        Ok(())
+    })?;
+    Ok(Estimate { mean, variance, samples_per_pixel: batches * batch_size })
+}
+
+/// Mean of independent values, and the unbiased variance of that mean, by Welford's recurrence.
+fn mean_and_variance(values: impl Iterator<Item = DVec3>) -> (Vec3, Vec3) {
+    let (mut count, mut mean, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
+    for value in values {
+        count += 1.0;
+        let difference = value - mean;
+        mean += difference / count;
+        squares += difference * (value - mean);
+    }
+    (mean.as_vec3(), (squares / (count * (count - 1.0))).as_vec3())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variance_of_the_mean_in_closed_form() {
+        // 1, 2, 3, 4: mean 2.5, sample variance 5/3, of the mean 5/12.
+        let values = [1.0, 2.0, 3.0, 4.0].map(DVec3::splat);
+        let (mean, variance) = mean_and_variance(values.into_iter());
+        assert!((mean.x - 2.5).abs() < 1e-7 && (variance.x - 5.0 / 12.0).abs() < 1e-7);
+    }
+}
