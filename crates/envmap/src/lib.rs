@@ -3,6 +3,18 @@
 //! [`Equirect`] is the one form the rest of the project uses; every other projection is resampled into it with its
 //! flux preserved. Axes, seam and sample positions are fixed in `CONVENTIONS.md`.
 
+mod cube;
 mod equirect;
+mod grid;
+mod load;
+mod overlap;
+mod projection;
+mod resample;
+mod sh;
+mod transfer;
 
+pub use cube::CubeMap;
 pub use equirect::Equirect;
+pub use load::{CleanReport, EnvMapError, Environment, from_picture, load};
+pub use projection::Projection;
+pub use sh::{Sh9, sh9_basis};

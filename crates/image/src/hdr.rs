@@ -17,7 +17,7 @@ const MAX_TEXELS_PER_BYTE: u64 = 1024;
 
 /// CIE XYZ to linear Rec. 709 (D65), the inverse of IEC 61966-2-1 equation 7: columns X, Y, Z.
 const REC709_FROM_XYZ: [Vec3; 3] = [
-    Vec3::new(3.240_970, -0.969_243_6, 0.055_630_08),
+    Vec3::new(3.240_97, -0.969_243_6, 0.055_630_08),
     Vec3::new(-1.537_383_2, 1.875_967_5, -0.203_976_96),
     Vec3::new(-0.498_610_76, 0.041_555_06, 1.056_971_5),
 ];

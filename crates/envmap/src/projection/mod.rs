@@ -1,0 +1,150 @@
+//! How a picture covers the sphere of directions. A new projection is one file here and one line in [`PROJECTIONS`].
+
+mod angular_probe;
+mod cross;
+mod equirect;
+mod six_faces;
+
+use glam::Vec3;
+use gnomon_image::{EnvironmentAttribute, RgbImage};
+
+use crate::Equirect;
+use crate::grid::Sampling;
+
+/// How an environment picture is laid out; `CONVENTIONS.md` gives the axes of each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Projection {
+    /// Latitude-longitude, 2 wide to 1 high.
+    Equirect,
+    /// Six faces as a cross 3 wide and 4 high (Debevec).
+    VerticalCross,
+    /// Six faces as a cross 4 wide and 3 high.
+    HorizontalCross,
+    /// Six faces in a column or a row (OpenEXR).
+    SixFaces,
+    /// Angular map of a mirror ball: the whole sphere in a disc (Debevec).
+    AngularProbe,
+    /// The same with front and back exchanged (OpenImageIO); only by name.
+    MirroredProbe,
+}
+
+/// What one projection provides.
+struct Entry {
+    projection: Projection,
+    /// Name on the command line.
+    name: &'static str,
+    /// Its shape, for people.
+    shape: &'static str,
+    /// The `envmap` attribute that announces it.
+    attribute: Option<EnvironmentAttribute>,
+    /// Whether a picture of this width and height looks like it.
+    fits: fn(u32, u32) -> bool,
+    /// Takes the picture apart, if its size allows.
+    unfold: fn(&RgbImage, Sampling) -> Option<Box<dyn Unfolded>>,
+}
+
+/// Every projection; the first that fits a picture's shape is taken.
+const PROJECTIONS: &[Entry] = &[
+    equirect::ENTRY,
+    cross::VERTICAL,
+    cross::HORIZONTAL,
+    six_faces::ENTRY,
+    angular_probe::ENTRY,
+    angular_probe::MIRRORED,
+];
+
+/// The texels of a picture that belong to the map, free of layout.
+pub(crate) trait Unfolded {
+    /// The texels, to clean them.
+    fn texels_mut(&mut self) -> &mut [Vec3];
+    /// The map they make, resampled with every channel's flux kept.
+    fn into_equirect(self: Box<Self>) -> Equirect;
+}
+
+impl Projection {
+    /// Every projection, in the order in which shapes are tried.
+    pub fn all() -> impl Iterator<Item = Self> {
+        PROJECTIONS.iter().map(|entry| entry.projection)
+    }
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        self.entry().map_or("", |entry| entry.name)
+    }
+
+    /// The shape that announces it, for people.
+    pub fn shape(self) -> &'static str {
+        self.entry().map_or("", |entry| entry.shape)
+    }
+
+    /// The projection of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        PROJECTIONS.iter().find(|entry| entry.name == name).map(|entry| entry.projection)
+    }
+
+    /// The projection that an EXR file's `envmap` attribute or else the picture's shape announces.
+    pub fn detect(width: u32, height: u32, attribute: Option<EnvironmentAttribute>) -> Option<Self> {
+        let by_attribute =
+            PROJECTIONS.iter().find(|entry| attribute.is_some() && entry.attribute == attribute);
+        let by_shape = || PROJECTIONS.iter().find(|entry| (entry.fits)(width, height));
+        by_attribute.or_else(by_shape).map(|entry| entry.projection)
+    }
+
+    /// One line that names every projection with its shape.
+    pub(crate) fn list() -> String {
+        let one = |entry: &Entry| format!("{} ({})", entry.name, entry.shape);
+        PROJECTIONS.iter().map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Takes a picture apart; `None` if its size does not allow this projection.
+    pub(crate) fn unfold(
+        self,
+        image: &RgbImage,
+        attribute: Option<EnvironmentAttribute>,
+    ) -> Option<Box<dyn Unfolded>> {
+        let entry = self.entry()?;
+        let announced = attribute.is_some() && entry.attribute == attribute;
+        (entry.unfold)(image, if announced { Sampling::EdgeToEdge } else { Sampling::Areas })
+    }
+
+    fn entry(self) -> Option<&'static Entry> {
+        PROJECTIONS.iter().find(|entry| entry.projection == self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_projection_is_registered_once_and_found_by_name() {
+        for projection in Projection::all() {
+            assert_eq!(Projection::from_name(projection.name()), Some(projection));
+            assert_eq!(Projection::all().filter(|&other| other == projection).count(), 1);
+        }
+        assert_eq!(Projection::from_name("mercator"), None);
+    }
+
+    #[test]
+    fn shapes_are_recognised() {
+        let shapes = [
+            (1024, 512, Some(Projection::Equirect)),
+            (1000, 499, Some(Projection::Equirect)),
+            (2, 1, Some(Projection::Equirect)),
+            (768, 1024, Some(Projection::VerticalCross)),
+            (1024, 768, Some(Projection::HorizontalCross)),
+            (256, 1536, Some(Projection::SixFaces)),
+            (1536, 256, Some(Projection::SixFaces)),
+            (128, 128, Some(Projection::AngularProbe)),
+            (1, 1, Some(Projection::AngularProbe)),
+            (1000, 100, None),
+            (1, 1000, None),
+            (0, 0, None),
+        ];
+        for (width, height, expected) in shapes {
+            assert_eq!(Projection::detect(width, height, None), expected, "{width} x {height}");
+        }
+        let cube = Some(EnvironmentAttribute::Cube);
+        assert_eq!(Projection::detect(256, 1536, cube), Some(Projection::SixFaces));
+    }
+}
