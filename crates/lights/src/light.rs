@@ -1,5 +1,6 @@
-use glam::{DVec3, Vec2, Vec3};
-use gnomon_envmap::Equirect;
+use glam::{DVec2, DVec3, Quat, Vec2, Vec3};
+
+use crate::form_factor::{disk_form_factor, rectangle_form_factor};
 
 /// Outline of a distant light on the plane that touches the unit sphere at the light's centre direction (gnomonic
 /// projection), in the light's own `tangent` and `bitangent`.
@@ -20,7 +21,9 @@ pub enum LightShape {
 /// A uniform area light infinitely far away.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistantLight {
-    /// Unit direction from the scene towards the light's centre.
+    /// Unit direction from the scene towards the light's centre. For a rectangle on a cube face this halves the angle
+    /// between opposite sides along both face axes, so that the outline's bounding box on the tangent plane is nearly
+    /// symmetric.
     pub direction: Vec3,
     /// Unit direction, perpendicular to `direction`: the first axis of the light's plane.
     pub tangent: Vec3,
@@ -35,9 +38,65 @@ pub struct DistantLight {
 }
 
 impl DistantLight {
+    /// A disk around the unit `direction`: all directions within `angular_radius` [rad], in (0, pi/2), with the given
+    /// flux [radiance x sr] spread evenly over the solid angle `2 pi (1 - cos angular_radius)`.
+    pub fn disk(direction: DVec3, angular_radius: f64, flux: DVec3) -> Self {
+        let half_sine = (0.5 * angular_radius).sin();
+        let solid_angle = 4.0 * std::f64::consts::PI * half_sine * half_sine;
+        // Horizontal where there is a horizon, so that a rotation about y turns the light's own axes with it.
+        let horizontal = DVec3::Y.cross(direction);
+        let tangent = if horizontal.length_squared() > 1e-12 { horizontal.normalize() } else { DVec3::X };
+        let shape = LightShape::Disk { angular_radius: angular_radius as f32 };
+        Self::with_flux(direction, tangent, shape, solid_angle, flux)
+    }
+
+    /// The directions `forward + s right + t up` with `(s, t)` between `min` and `max`, where `frame` holds the unit axes
+    /// `[right, up, forward]` of a cube face seen from inside (`right = forward x up`) and the whole face is
+    /// `[-1, 1]^2`; the given flux [radiance x sr] is spread evenly over the exact solid angle.
+    pub fn rectangle(frame: [DVec3; 3], min: DVec2, max: DVec2, flux: DVec3) -> Self {
+        let [right, up, forward] = frame;
+        let towards = |s: f64, t: f64| (forward + s * right + t * up).normalize();
+        let halfway = |a: f64, b: f64| (0.5 * (a.atan() + b.atan())).tan();
+        let direction = towards(halfway(min.x, max.x), halfway(min.y, max.y));
+        let tangent = (right - direction * right.dot(direction)).normalize();
+        let corners =
+            [towards(min.x, min.y), towards(max.x, min.y), towards(max.x, max.y), towards(min.x, max.y)];
+        let shape = LightShape::Rectangle { corners: corners.map(|corner| corner.as_vec3()) };
+        Self::with_flux(direction, tangent, shape, rectangle_solid_angle(min, max), flux)
+    }
+
+    fn with_flux(direction: DVec3, tangent: DVec3, shape: LightShape, solid_angle: f64, flux: DVec3) -> Self {
+        // Radiance from the *rounded* solid angle, so that their product gives the flux back.
+        let solid_angle = solid_angle as f32;
+        let radiance = (flux / f64::from(solid_angle)).min(DVec3::splat(f64::from(f32::MAX)));
+        Self {
+            direction: direction.as_vec3(),
+            tangent: tangent.as_vec3(),
+            bitangent: direction.cross(tangent).as_vec3(),
+            shape,
+            solid_angle,
+            radiance: radiance.as_vec3(),
+        }
+    }
+
     /// Flux [radiance x sr], channel by channel.
     pub fn flux(&self) -> DVec3 {
         self.radiance.as_dvec3() * f64::from(self.solid_angle)
+    }
+
+    /// Projected solid angle [sr] seen by a surface with unit normal `n`: the exact integral of `max(0, n . w) dw` over
+    /// the outline. Times [`DistantLight::radiance`] it is the unshadowed irradiance.
+    pub fn irradiance(&self, n: Vec3) -> f32 {
+        match self.shape {
+            LightShape::Disk { angular_radius } => disk_form_factor(n, self.direction, angular_radius),
+            LightShape::Rectangle { corners } => rectangle_form_factor(n, corners),
+        }
+    }
+
+    /// Full angular width and height [rad] along `tangent` and `bitangent`, through the centre.
+    pub fn extent(&self) -> Vec2 {
+        let half = self.tan_half_extent();
+        Vec2::new(2.0 * half.x.atan(), 2.0 * half.y.atan())
     }
 
     /// Half the width and height of the outline's bounding box on the tangent plane (tangents of half angles).
@@ -53,15 +112,89 @@ impl DistantLight {
                 .fold(Vec2::ZERO, Vec2::max),
         }
     }
+
+    /// Whether the unit direction `w` meets the light.
+    pub fn contains(&self, w: Vec3) -> bool {
+        self.signed_angle(w) <= 0.0
+    }
+
+    /// How far the unit direction `w` lies outside the outline [rad]; negative inside. For a rectangle outside, the
+    /// distance to the farthest of the four edges' great circles: a lower bound near corners.
+    pub(crate) fn signed_angle(&self, w: Vec3) -> f32 {
+        match self.shape {
+            LightShape::Disk { angular_radius } => {
+                w.cross(self.direction).length().atan2(w.dot(self.direction)) - angular_radius
+            }
+            LightShape::Rectangle { corners } => (0..4)
+                .map(|i| {
+                    corners[i].cross(corners[(i + 1) % 4]).normalize_or_zero().dot(w).clamp(-1.0, 1.0).asin()
+                })
+                .fold(f32::NEG_INFINITY, f32::max),
+        }
+    }
+
+    /// The same light turned about +y by `yaw` [rad], right-hand rule.
+    pub fn rotated(&self, yaw: f32) -> Self {
+        let rotation = Quat::from_rotation_y(yaw);
+        Self {
+            direction: rotation * self.direction,
+            tangent: rotation * self.tangent,
+            bitangent: rotation * self.bitangent,
+            shape: match self.shape {
+                LightShape::Rectangle { corners } => {
+                    LightShape::Rectangle { corners: corners.map(|corner| rotation * corner) }
+                }
+                disk @ LightShape::Disk { .. } => disk,
+            },
+            ..self.clone()
+        }
+    }
 }
 
-/// What a fit makes of an environment map. Flux of all `lights` plus flux of `residual` equals the map's flux.
-#[derive(Clone, Debug)]
-pub struct LightSet {
-    /// Name of the fit that made it.
-    pub method: &'static str,
-    /// Lights, in the order they were found.
-    pub lights: Vec<DistantLight>,
-    /// What is left of the map: the ambient part. As large as the input map.
-    pub residual: Equirect,
+/// Solid angle [sr] of the rectangle from `min` to `max` on the plane at distance 1: the antiderivative
+/// `atan(s t / sqrt(1 + s^2 + t^2))` at the four corners.
+pub(crate) fn rectangle_solid_angle(min: DVec2, max: DVec2) -> f64 {
+    let corner = |s: f64, t: f64| (s * t / (1.0 + s * s + t * t).sqrt()).atan();
+    corner(max.x, max.y) - corner(min.x, max.y) - corner(max.x, min.y) + corner(min.x, min.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+
+    const FRONT: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::NEG_Z];
+
+    #[test]
+    fn a_whole_face_is_a_sixth_of_the_sphere() {
+        let face = DistantLight::rectangle(FRONT, -DVec2::ONE, DVec2::ONE, DVec3::new(1.0, 2.0, 3.0));
+        assert!((face.solid_angle - 4.0 * PI / 6.0).abs() < 1e-6);
+        assert!((face.flux() - DVec3::new(1.0, 2.0, 3.0)).length() < 1e-6);
+        assert!((face.tan_half_extent() - Vec2::ONE).length() < 1e-6);
+        assert!((face.extent() - Vec2::splat(FRAC_PI_2)).length() < 1e-6);
+    }
+
+    #[test]
+    fn corners_run_counter_clockwise_seen_from_the_origin() {
+        let light = DistantLight::rectangle(FRONT, DVec2::new(-0.5, 0.1), DVec2::new(0.2, 0.9), DVec3::ONE);
+        let LightShape::Rectangle { corners: [a, b, c, _] } = light.shape else { panic!("not a rectangle") };
+        assert!((b - a).cross(c - b).dot(-light.direction) > 0.0);
+        assert!((light.direction.cross(light.tangent) - light.bitangent).length() < 1e-6);
+        assert!(light.contains(light.direction) && !light.contains(-light.direction));
+    }
+
+    #[test]
+    fn a_quarter_turn_takes_minus_z_to_minus_x() {
+        let light = DistantLight::disk(DVec3::NEG_Z, 0.1, DVec3::ONE).rotated(FRAC_PI_2);
+        assert!((light.direction - Vec3::NEG_X).length() < 1e-6);
+    }
+
+    #[test]
+    fn the_cone_keeps_its_solid_angle_when_tiny_and_when_wide() {
+        let tiny = DistantLight::disk(DVec3::Y, 1e-4, DVec3::ONE);
+        assert!((tiny.solid_angle / (PI * 1e-8) - 1.0).abs() < 1e-6);
+        let hemisphere = DistantLight::disk(DVec3::Y, std::f64::consts::FRAC_PI_2, DVec3::ONE);
+        assert!((hemisphere.solid_angle - 2.0 * PI).abs() < 1e-5);
+    }
 }

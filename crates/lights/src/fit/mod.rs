@@ -1,0 +1,78 @@
+//! Fits: an environment map in, uniform area lights and a residual map out.
+//!
+//! A new fit is one file here that implements [`LightFit`], and one line in [`methods`].
+
+mod disks;
+mod error;
+mod options;
+mod sphere_grid;
+
+use gnomon_envmap::Equirect;
+use serde_json::{Map, Value};
+
+pub use disks::Disks;
+pub use error::FitError;
+pub use options::{FitOptions, MAX_LIGHTS};
+
+use crate::LightSet;
+
+/// One way to turn an environment map into lights and a residual.
+pub trait LightFit: Send + Sync {
+    /// Name on the command line and in JSON.
+    fn name(&self) -> &'static str;
+
+    /// The settings in force, by name; numbers in the units that their names or documentation give.
+    fn parameters(&self) -> Map<String, Value>;
+
+    /// Fits lights to a map. Deterministic; flux of lights and residual equals the map's, channel by channel; a black
+    /// map has no lights.
+    fn fit(&self, map: &Equirect) -> Result<LightSet, FitError>;
+}
+
+/// One registered fit.
+#[derive(Clone, Copy)]
+pub struct Method {
+    /// Name on the command line and in JSON.
+    pub name: &'static str,
+    /// One line for a list of methods.
+    pub summary: &'static str,
+    build: fn(&FitOptions) -> Result<Box<dyn LightFit>, FitError>,
+}
+
+impl Method {
+    /// The fit with the given options.
+    pub fn build(&self, options: &FitOptions) -> Result<Box<dyn LightFit>, FitError> {
+        options.validate()?;
+        (self.build)(options)
+    }
+}
+
+/// Every fit there is.
+pub fn methods() -> &'static [Method] {
+    &[Method { name: "disks", summary: disks::SUMMARY, build: disks::build }]
+}
+
+/// The fit called `name`, with the given options.
+pub fn by_name(name: &str, options: &FitOptions) -> Result<Box<dyn LightFit>, FitError> {
+    let method = methods().iter().find(|method| method.name == name);
+    method.ok_or_else(|| FitError::unknown_method(name))?.build(options)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_registered_name_builds_a_fit_of_that_name() {
+        for method in methods() {
+            let fit = by_name(method.name, &FitOptions::default()).unwrap();
+            assert_eq!(fit.name(), method.name);
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_lists_the_known_ones() {
+        let message = by_name("cubes", &FitOptions::default()).err().unwrap().to_string();
+        assert!(message.contains("cubes") && message.contains("disks"), "{message}");
+    }
+}

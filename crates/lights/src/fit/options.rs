@@ -1,0 +1,48 @@
+use super::FitError;
+
+/// Most lights that a fit can be asked for.
+pub const MAX_LIGHTS: usize = 4096;
+
+/// What can be asked of any fit. Each has its own defaults; `light_count` and `threshold` exclude each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FitOptions {
+    /// Number of lights, 1 to [`MAX_LIGHTS`].
+    pub light_count: Option<usize>,
+    /// Where the fit stops, in (0, 1); its meaning is the fit's own.
+    pub threshold: Option<f32>,
+    /// Largest angular width of a light [rad].
+    pub max_extent: Option<f32>,
+}
+
+impl FitOptions {
+    /// Checks what does not depend on the fit.
+    pub fn validate(&self) -> Result<(), FitError> {
+        match *self {
+            Self { light_count: Some(_), threshold: Some(_), .. } => Err(FitError::CountAndThreshold),
+            Self { light_count: Some(count), .. } if count == 0 || count > MAX_LIGHTS => {
+                Err(FitError::LightCount(count))
+            }
+            // Not `t <= 0 || t >= 1`: that would let NaN through.
+            Self { threshold: Some(t), .. } if !(t > 0.0 && t < 1.0) => Err(FitError::Threshold(t)),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let refused = |options: FitOptions| options.validate().is_err();
+        let none = FitOptions::default();
+        assert!(!refused(none));
+        assert!(refused(FitOptions { light_count: Some(3), threshold: Some(0.5), ..none }));
+        assert!(refused(FitOptions { light_count: Some(0), ..none }));
+        assert!(refused(FitOptions { light_count: Some(MAX_LIGHTS + 1), ..none }));
+        for t in [0.0, 1.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(refused(FitOptions { threshold: Some(t), ..none }), "{t}");
+        }
+    }
+}
