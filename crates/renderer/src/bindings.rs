@@ -1,0 +1,212 @@
+//! Bind group layouts and pipelines with less ceremony. Every binding is visible to all stages its pass has.
+
+use crate::{Gpu, RenderError};
+
+/// One binding of a layout.
+#[derive(Clone, Copy)]
+pub(crate) enum Binding {
+    Uniform,
+    Storage {
+        read_only: bool,
+    },
+    /// `filterable` textures may be sampled; the others are only loaded.
+    Texture {
+        dimension: wgpu::TextureViewDimension,
+        filterable: bool,
+    },
+    Depth {
+        dimension: wgpu::TextureViewDimension,
+    },
+    StorageTexture {
+        format: wgpu::TextureFormat,
+        dimension: wgpu::TextureViewDimension,
+    },
+    Sampler,
+}
+
+pub(crate) const D2: wgpu::TextureViewDimension = wgpu::TextureViewDimension::D2;
+pub(crate) const D2_ARRAY: wgpu::TextureViewDimension = wgpu::TextureViewDimension::D2Array;
+
+impl Binding {
+    pub const LOADED: Self = Self::Texture { dimension: D2, filterable: false };
+    pub const SAMPLED: Self = Self::Texture { dimension: D2, filterable: true };
+
+    fn ty(self) -> wgpu::BindingType {
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        match self {
+            Self::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+            Self::Storage { read_only } => buffer(wgpu::BufferBindingType::Storage { read_only }),
+            Self::Texture { dimension, filterable } => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable },
+                view_dimension: dimension,
+                multisampled: false,
+            },
+            Self::Depth { dimension } => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Depth,
+                view_dimension: dimension,
+                multisampled: false,
+            },
+            Self::StorageTexture { format, dimension } => wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format,
+                view_dimension: dimension,
+            },
+            Self::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        }
+    }
+}
+
+impl Gpu {
+    /// A layout with `(binding number, binding)` entries.
+    pub(crate) fn layout(
+        &self,
+        label: &str,
+        stages: wgpu::ShaderStages,
+        bindings: &[(u32, Binding)],
+    ) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = bindings
+            .iter()
+            .map(|&(binding, kind)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: stages,
+                ty: kind.ty(),
+                count: None,
+            })
+            .collect();
+        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        })
+    }
+
+    pub(crate) fn bind_group(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = resources
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        })
+    }
+
+    pub(crate) fn shader(
+        &self,
+        module: &str,
+        slots: &[gnomon_shaders::Slot<'_>],
+    ) -> Result<wgpu::ShaderModule, RenderError> {
+        let source = gnomon_shaders::resolve(module, slots)?;
+        Ok(self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(module),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        }))
+    }
+
+    pub(crate) fn pipeline_layout(&self, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout {
+        self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: groups,
+            immediate_size: 0,
+        })
+    }
+
+    pub(crate) fn compute_pipeline(
+        &self,
+        module: &wgpu::ShaderModule,
+        entry: &str,
+        groups: &[Option<&wgpu::BindGroupLayout>],
+    ) -> wgpu::ComputePipeline {
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&self.pipeline_layout(groups)),
+            module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+    }
+
+    /// A buffer that holds `bytes`; never empty, because an empty buffer cannot be bound.
+    pub(crate) fn buffer_with(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.empty_buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
+        if !bytes.is_empty() {
+            self.queue.write_buffer(&buffer, 0, bytes);
+        }
+        buffer
+    }
+
+    pub(crate) fn empty_buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size.next_multiple_of(16).max(256),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    pub(crate) fn texture(
+        &self,
+        label: &str,
+        [width, height, layers]: [u32; 3],
+        mip_level_count: u32,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+            mip_level_count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
+    /// Writes one mip level of one layer.
+    pub(crate) fn write_texture(
+        &self,
+        texture: &wgpu::Texture,
+        mip_level: u32,
+        [width, height]: [u32; 2],
+        bytes: &[u8],
+    ) {
+        self.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level,
+                origin: wgpu::Origin3d::ZERO,
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(bytes.len() as u32 / height.max(1)),
+                rows_per_image: Some(height),
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+}
+
+/// The whole texture, seen as an array.
+pub(crate) fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(D2_ARRAY), ..Default::default() })
+}
+
+/// One mip level of all layers.
+pub(crate) fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(D2_ARRAY),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}

@@ -1,0 +1,66 @@
+use glam::{Mat4, Vec3, Vec4};
+use gnomon_scene::{Bounds, Camera, Projection};
+
+/// A camera as the shaders see it: reversed depth, 1 at the near plane and 0 at (or towards) infinity.
+pub(crate) struct CameraMatrices {
+    pub clip_from_world: Mat4,
+    pub world_from_clip: Mat4,
+    /// Eye position and 1, or direction to the viewer and 0.
+    pub eye_world: Vec4,
+}
+
+impl CameraMatrices {
+    pub fn new(camera: &Camera, aspect: f32, bounds: Option<Bounds>) -> Self {
+        let camera_from_world = camera.world_from_camera.inverse();
+        let (center, radius) = bounds.map_or((Vec3::ZERO, 1.0), |b| (b.center(), b.radius()));
+        let distance = (camera.eye() - center).length() + radius;
+        let (clip_from_camera, eye_world) = match camera.projection {
+            Projection::Perspective { fov_x } => {
+                let focal = 1.0 / (0.5 * fov_x).tan();
+                let near = (1e-3 * distance).max(1e-6);
+                let matrix = Mat4::from_cols(
+                    Vec4::new(focal, 0.0, 0.0, 0.0),
+                    Vec4::new(0.0, focal * aspect, 0.0, 0.0),
+                    Vec4::new(0.0, 0.0, 0.0, -1.0),
+                    Vec4::new(0.0, 0.0, near, 0.0),
+                );
+                (matrix, camera.eye().extend(1.0))
+            }
+            Projection::Orthographic { half_width } => {
+                // Far is depth 0, which stands for the background: keep the scene nearer than that.
+                let range = 4.0 * distance.max(1e-6);
+                let matrix = Mat4::from_cols(
+                    Vec4::new(1.0 / half_width, 0.0, 0.0, 0.0),
+                    Vec4::new(0.0, aspect / half_width, 0.0, 0.0),
+                    Vec4::new(0.0, 0.0, 1.0 / range, 0.0),
+                    Vec4::new(0.0, 0.0, 1.0, 1.0),
+                );
+                (matrix, camera.world_from_camera.z_axis.truncate().normalize().extend(0.0))
+            }
+        };
+        let clip_from_world = clip_from_camera * camera_from_world;
+        Self { clip_from_world, world_from_clip: clip_from_world.inverse(), eye_world }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_horizontal_field_of_view_fills_the_width() {
+        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 90_f32.to_radians());
+        let m = CameraMatrices::new(&camera, 2.0, None);
+        let edge = m.clip_from_world.project_point3(Vec3::new(2.0, 1.0, 0.0));
+        assert!((edge.x - 1.0).abs() < 1e-5 && (edge.y - 1.0).abs() < 1e-5 && edge.z > 0.0 && edge.z < 1.0);
+    }
+
+    #[test]
+    fn clip_and_world_are_inverses_far_from_the_origin() {
+        let camera = Camera::look_at(Vec3::new(300.0, 20.0, -80.0), Vec3::new(298.0, 19.5, -81.0), 0.7);
+        let m = CameraMatrices::new(&camera, 1.3, None);
+        let p = Vec3::new(290.0, 18.0, -84.0);
+        let back = m.world_from_clip.project_point3(m.clip_from_world.project_point3(p));
+        assert!((back - p).length() < 0.02, "{back}");
+    }
+}

@@ -1,0 +1,45 @@
+//! Compositing rules, side by side on one interface: `composite(full, residual, unshadowed, shadowed)` in WGSL.
+
+use crate::RenderError;
+
+/// How exact unshadowed light, the ambient rest and the lights' shadows become one picture.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Compositing {
+    /// Name for people and files.
+    pub name: &'static str,
+    /// One line for help texts.
+    pub summary: &'static str,
+    /// WGSL module that fills the slot `composite`.
+    pub module: &'static str,
+}
+
+/// Every compositing rule.
+pub const COMPOSITINGS: &[Compositing] = &[
+    Compositing {
+        name: "additive",
+        summary: "ambient rest plus shadowed lights (Arbree 2005, Annen 2008)",
+        module: "composite_additive",
+    },
+    Compositing {
+        name: "subtractive",
+        summary: "unshadowed light less what shadows take away (DeCoro 2008)",
+        module: "composite_subtractive",
+    },
+    Compositing {
+        name: "ratio",
+        summary: "unshadowed light times the shadowed share of the fit (Heitz 2018)",
+        module: "composite_ratio",
+    },
+];
+
+/// The compositing rule called `name`.
+///
+/// # Errors
+/// [`RenderError::UnknownName`] lists the names there are.
+pub fn by_name(name: &str) -> Result<&'static Compositing, RenderError> {
+    COMPOSITINGS.iter().find(|rule| rule.name == name).ok_or_else(|| RenderError::UnknownName {
+        what: "compositing rule",
+        name: name.to_owned(),
+        choices: COMPOSITINGS.iter().map(|rule| rule.name).collect::<Vec<_>>().join(", "),
+    })
+}

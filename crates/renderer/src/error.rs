@@ -1,0 +1,68 @@
+/// Why no picture came out, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// No adapter fits the request.
+    #[error(
+        "no graphics adapter {wanted}; found: {found}. Install a Vulkan driver (Debian: mesa-vulkan-drivers) or choose another with --adapter"
+    )]
+    NoAdapter {
+        /// What was asked for.
+        wanted: String,
+        /// Names of what is there.
+        found: String,
+    },
+    /// The adapter refused a device.
+    #[error("adapter {adapter} gives no device: {reason}")]
+    NoDevice {
+        /// Adapter name.
+        adapter: String,
+        /// The driver's words.
+        reason: String,
+    },
+    /// The adapter lacks something that every frame needs.
+    #[error("adapter {adapter} lacks {feature}; choose another with --adapter")]
+    MissingFeature {
+        /// Adapter name.
+        adapter: String,
+        /// What is missing.
+        feature: &'static str,
+    },
+    /// A setting names nothing that exists.
+    #[error("unknown {what} `{name}`; choose one of: {choices}")]
+    UnknownName {
+        /// Kind of thing.
+        what: &'static str,
+        /// The name given.
+        name: String,
+        /// All names.
+        choices: String,
+    },
+    /// A setting is out of range.
+    #[error("{what} must be {range}, not {value}")]
+    OutOfRange {
+        /// The setting.
+        what: &'static str,
+        /// The range, in words.
+        range: String,
+        /// The value given.
+        value: String,
+    },
+    /// More of something than the adapter can hold.
+    #[error("{what}: {wanted} wanted, adapter {adapter} allows {limit}")]
+    OverLimit {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much was asked for.
+        wanted: u64,
+        /// How much there may be.
+        limit: u64,
+        /// Adapter name.
+        adapter: String,
+    },
+    /// The GPU reported a fault while it worked.
+    #[error("the graphics device failed: {0}")]
+    Device(String),
+    /// A shader could not be put together: a fault of this library.
+    #[error(transparent)]
+    Shader(#[from] gnomon_shaders::ShaderError),
+}

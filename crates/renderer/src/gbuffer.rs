@@ -1,0 +1,149 @@
+use crate::bindings::Binding;
+use crate::depth_maps::DEPTH_FORMAT;
+use crate::geometry::Geometry;
+use crate::materials::Materials;
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+const COLOR_COUNT: usize = 4;
+
+/// Textures of `gbuffer.wgsl`'s outputs, one texel a sample.
+pub(crate) struct GBuffer {
+    pub depth: wgpu::TextureView,
+    pub colors: Vec<wgpu::TextureView>,
+}
+
+impl GBuffer {
+    pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let target = |label, format| {
+            gpu.texture(label, [width, height, 1], 1, format, usage).create_view(&Default::default())
+        };
+        Self {
+            depth: target("gbuffer depth", DEPTH_FORMAT),
+            colors: (0..COLOR_COUNT).map(|_| target("gbuffer", COLOR_FORMAT)).collect(),
+        }
+    }
+}
+
+/// Draws what the camera sees.
+pub(crate) struct GBufferPass {
+    pub material_layout: wgpu::BindGroupLayout,
+    view_layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl GBufferPass {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let material_layout = crate::materials::material_layout(gpu);
+        let view_layout =
+            gpu.layout("gbuffer view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[(0, Binding::Uniform)]);
+        let module = gpu.shader("gbuffer", &[])?;
+        let attribute = |array_stride, attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes,
+            })
+        };
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("gbuffer"),
+            layout: Some(&gpu.pipeline_layout(&[Some(&view_layout), Some(&material_layout)])),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("gbuffer_vertex"),
+                compilation_options: Default::default(),
+                buffers: &[
+                    attribute(16, &wgpu::vertex_attr_array![0 => Float32x4]),
+                    attribute(16, &wgpu::vertex_attr_array![1 => Float32x4]),
+                    attribute(16, &wgpu::vertex_attr_array![2 => Float32x4]),
+                    attribute(32, &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4]),
+                ],
+            },
+            // No culling: every surface is two-sided, as in the reference.
+            primitive: Default::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("gbuffer_fragment"),
+                compilation_options: Default::default(),
+                targets: &[const { Some(color_target()) }; COLOR_COUNT],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Ok(Self { material_layout, view_layout, pipeline })
+    }
+
+    /// Bind group 0 over the frame's view uniform.
+    pub fn view_group(&self, gpu: &Gpu, view: &wgpu::Buffer) -> wgpu::BindGroup {
+        gpu.bind_group("gbuffer view", &self.view_layout, &[(0, view.as_entire_binding())])
+    }
+
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        target: &GBuffer,
+        view_group: &wgpu::BindGroup,
+        geometry: &Geometry,
+        materials: &Materials,
+    ) {
+        let attachments: Vec<_> = target
+            .colors
+            .iter()
+            .map(|view| {
+                let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+                Some(wgpu::RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+                })
+            })
+            .collect();
+        let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("gbuffer"),
+            color_attachments: &attachments,
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        if geometry.index_count == 0 {
+            return;
+        }
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, view_group, &[]);
+        let buffers = [
+            &geometry.positions_world,
+            &geometry.normals_world,
+            &geometry.tangents_world,
+            &geometry.static_attributes,
+        ];
+        for (slot, buffer) in (0..).zip(buffers) {
+            pass.set_vertex_buffer(slot, buffer.slice(..));
+        }
+        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for range in &geometry.ranges {
+            pass.set_bind_group(1, materials.bind_group(range.material), &[]);
+            pass.draw_indexed(range.indices.clone(), 0, 0..1);
+        }
+    }
+}
+
+const fn color_target() -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState { format: COLOR_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL }
+}

@@ -1,0 +1,94 @@
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+use gnomon_envmap::{Equirect, Sh9};
+use gnomon_image::RgbImage;
+use gnomon_lights::{DistantLight, LightSet};
+
+use crate::{Gpu, RenderError};
+
+/// Texels along the side of the environment BRDF's table.
+const DFG_SIZE: u32 = 32;
+/// Height of the irradiance map: irradiance varies with the cosine of 180 degrees, so 5.6 degrees a texel is ample.
+const IRRADIANCE_HEIGHT: u32 = 32;
+/// Height of the map that irradiance is integrated from.
+const IRRADIANCE_SOURCE_HEIGHT: u32 = 64;
+/// Height of the sharpest prefiltered level.
+const PREFILTERED_HEIGHT: u32 = 256;
+
+/// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
+pub(crate) struct Lighting {
+    pub lights: Vec<DistantLight>,
+    pub residual_sh: [[f32; 4]; 9],
+    pub background: wgpu::TextureView,
+    pub irradiance_full: wgpu::TextureView,
+    pub prefiltered_full: wgpu::TextureView,
+    pub prefiltered_residual: wgpu::TextureView,
+    pub dfg_table: wgpu::TextureView,
+}
+
+impl Lighting {
+    pub fn new(gpu: &Gpu, map: &Equirect, set: &LightSet) -> Result<Self, RenderError> {
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        let largest = map.width().max(map.height());
+        if largest > limit {
+            return Err(RenderError::OverLimit {
+                what: "texels along the environment's side",
+                wanted: u64::from(largest),
+                limit: u64::from(limit),
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+        let residual_sh = Sh9::project(&set.residual);
+        let dfg: Vec<Vec2> = gnomon_brdf::dfg_table(DFG_SIZE);
+        let dfg = RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| dfg[(y * DFG_SIZE + x) as usize].extend(0.0));
+        let base = PREFILTERED_HEIGHT.min(map.height());
+        let prefiltered = |map: &Equirect| upload(gpu, "prefiltered", std::slice::from_ref(map.resized(2*base,base).radiance()));
+        Ok(Self {
+            lights: set.lights.clone(),
+            residual_sh: residual_sh.coefficients.map(|c| c.extend(0.0).to_array()),
+            background: upload(gpu, "background", std::slice::from_ref(map.radiance())),
+            irradiance_full: upload(gpu, "irradiance", &[irradiance_map(map)]),
+            prefiltered_full: prefiltered(map),
+            prefiltered_residual: prefiltered(&set.residual),
+            dfg_table: upload(gpu, "dfg", &[dfg]),
+        })
+    }
+}
+
+/// Uploads a picture and its mip levels in full precision: a sun exceeds what 16 bits hold.
+fn upload(gpu: &Gpu, label: &str, levels: &[RgbImage]) -> wgpu::TextureView {
+    let size = levels.first().map_or([1, 1, 1], |level| [level.width(), level.height(), 1]);
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let count = (levels.len() as u32).max(1);
+    let texture = gpu.texture(label, size, count, wgpu::TextureFormat::Rgba32Float, usage);
+    for (i, level) in (0..).zip(levels) {
+        let texels: Vec<[f32; 4]> = level.texels().iter().map(|texel| texel.extend(1.0).to_array()).collect();
+        gpu.write_texture(&texture, i, [level.width(), level.height()], bytemuck::cast_slice(&texels));
+    }
+    texture.create_view(&Default::default())
+}
+
+/// Irradiance of the whole map for every normal, an equirect map itself, by summing over all texels.
+fn irradiance_map(map: &Equirect) -> RgbImage {
+    let height = IRRADIANCE_SOURCE_HEIGHT.min(map.height());
+    let source = map.resized(2 * height, height);
+    let emitters: Vec<(Vec3, f32, Vec3)> = (0..height)
+        .flat_map(|y| (0..source.width()).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let solid_angle = source.texel_solid_angle(y) as f32;
+            (source.texel_direction(x, y), solid_angle, source.radiance().get(x, y))
+        })
+        .collect();
+    RgbImage::from_fn(2 * IRRADIANCE_HEIGHT, IRRADIANCE_HEIGHT, |x, y| {
+        let size = Vec2::new(2.0 * IRRADIANCE_HEIGHT as f32, IRRADIANCE_HEIGHT as f32);
+        let n = Equirect::direction_from_uv(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / size);
+        let (sum, cosines) =
+            emitters.iter().fold((Vec3::ZERO, 0.0), |(sum, cosines), (w, solid_angle, radiance)| {
+                let projected = w.dot(n).max(0.0) * solid_angle;
+                (sum + *radiance * projected, cosines + projected)
+            });
+        // The cosines sum to pi only up to discretisation; this makes a constant map exact.
+        sum * (PI / cosines)
+    })
+}

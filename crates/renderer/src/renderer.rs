@@ -1,0 +1,349 @@
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_image::tonemap::ToneMapping;
+use gnomon_lights::LightSet;
+use gnomon_scene::{Bounds, Camera, Scene};
+use gnomon_shaders::layout;
+
+use crate::camera::CameraMatrices;
+use crate::composite::{self, Compositing};
+use crate::depth_maps::{DepthMaps, ShadowMapPass};
+use crate::gbuffer::{GBuffer, GBufferPass};
+use crate::geometry::{Geometry, TransformPass};
+use crate::light_frame::light_uniform;
+use crate::lighting::Lighting;
+use crate::materials::Materials;
+use crate::recorder::{PassTiming, Recorder};
+use crate::resolve::{Output, ResolvePass};
+use crate::shade::{RADIANCE_FORMAT, ShadeLayouts, ShadePass};
+use crate::shadow::{self, ShadowResources, ShadowSettings, ShadowTechnique};
+use crate::{Gpu, RenderError};
+
+/// How frames are drawn.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// One of [`crate::shadow::names`].
+    pub shadows: String,
+    /// Parameters of the techniques.
+    pub shadow_settings: ShadowSettings,
+    /// Edge length of every light's depth map in texels: a power of two, 16 to 8192.
+    pub shadow_resolution: u32,
+    /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
+    pub normal_offset_texels: f32,
+    /// Name of a rule in [`crate::composite::COMPOSITINGS`].
+    pub compositing: String,
+    /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
+    pub samples: u32,
+    /// Stops of exposure of the displayed picture.
+    pub exposure_ev: f32,
+    /// Tone mapping of the displayed picture.
+    pub tone_mapping: ToneMapping,
+    /// Draw the environment behind the scene.
+    pub background: bool,
+    /// Submit every pass alone and time it: slower, for statistics.
+    pub profile: bool,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            shadows: "convolution".to_owned(),
+            shadow_settings: ShadowSettings::default(),
+            shadow_resolution: 256,
+            normal_offset_texels: 1.5,
+            compositing: "ratio".to_owned(),
+            samples: 2,
+            exposure_ev: 0.0,
+            tone_mapping: ToneMapping::default(),
+            background: true,
+            profile: false,
+        }
+    }
+}
+
+/// One finished picture.
+pub struct Frame {
+    /// Linear radiance, box-filtered.
+    pub radiance: RgbImage,
+    /// Exposed, tone-mapped and sRGB-encoded: RGBA, 8 bits, top row first.
+    pub display: Vec<[u8; 4]>,
+    /// Time of every pass, where [`RenderSettings::profile`] is on.
+    pub timings: Vec<PassTiming>,
+}
+
+/// Draws a scene under an environment. Everything that depends on geometry happens in every frame.
+pub struct Renderer<'gpu> {
+    gpu: &'gpu Gpu,
+    settings: RenderSettings,
+    technique: &'static dyn ShadowTechnique,
+    compositing: &'static Compositing,
+    passes: Passes,
+    geometry: Geometry,
+    materials: Materials,
+    bounds: Option<Bounds>,
+    lighting: Option<Lit>,
+    target: Option<Target>,
+    view: wgpu::Buffer,
+    view_group: wgpu::BindGroup,
+}
+
+struct Passes {
+    transform: TransformPass,
+    shadow_map: ShadowMapPass,
+    gbuffer: GBufferPass,
+    shade_layouts: ShadeLayouts,
+    resolve: ResolvePass,
+}
+
+/// What depends on the lights.
+struct Lit {
+    lighting: Lighting,
+    lights: wgpu::Buffer,
+    depth_maps: DepthMaps,
+    shadows: Box<dyn ShadowResources>,
+    shade: ShadePass,
+    frame_group: wgpu::BindGroup,
+}
+
+/// What depends on the picture's size.
+struct Target {
+    size: [u32; 2],
+    gbuffer: GBuffer,
+    gbuffer_group: wgpu::BindGroup,
+    sample_group: wgpu::BindGroup,
+    output: Output,
+}
+
+fn check_range<T: PartialOrd + std::fmt::Display>(
+    what: &'static str,
+    value: T,
+    range: std::ops::RangeInclusive<T>,
+) -> Result<(), RenderError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let range = format!("{} to {}", range.start(), range.end());
+    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
+}
+
+impl<'gpu> Renderer<'gpu> {
+    /// A renderer of an empty scene without light.
+    ///
+    /// # Errors
+    /// A setting names nothing or is out of range, or the device failed.
+    pub fn new(gpu: &'gpu Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
+        check_range("samples along a pixel's side", settings.samples, 1..=8)?;
+        check_range("shadow map resolution", settings.shadow_resolution, 16..=8192)?;
+        check_range("exposure", settings.exposure_ev, -100.0..=100.0)?;
+        if !settings.shadow_resolution.is_power_of_two() {
+            return Err(RenderError::OutOfRange {
+                what: "shadow map resolution",
+                range: "a power of two".to_owned(),
+                value: settings.shadow_resolution.to_string(),
+            });
+        }
+        let technique = shadow::by_name(&settings.shadows)?;
+        let compositing = composite::by_name(&settings.compositing)?;
+        let passes = Passes {
+            transform: TransformPass::new(gpu)?,
+            shadow_map: ShadowMapPass::new(gpu)?,
+            gbuffer: GBufferPass::new(gpu)?,
+            shade_layouts: ShadeLayouts::new(gpu),
+            resolve: ResolvePass::new(gpu)?,
+        };
+        let scene = Scene::default();
+        let view = gpu.empty_buffer(
+            "view",
+            size_of::<layout::View>() as u64,
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        );
+        let view_group = passes.gbuffer.view_group(gpu, &view);
+        let renderer = Self {
+            gpu,
+            technique,
+            compositing,
+            geometry: Geometry::new(gpu, &passes.transform, &scene)?,
+            materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
+            passes,
+            settings,
+            bounds: None,
+            lighting: None,
+            target: None,
+            view,
+            view_group,
+        };
+        gpu.check()?;
+        Ok(renderer)
+    }
+
+    /// Takes a scene over: its triangles, materials and textures.
+    ///
+    /// # Errors
+    /// [`RenderError::OverLimit`] where the adapter cannot hold it.
+    pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.geometry = Geometry::new(self.gpu, &self.passes.transform, scene)?;
+        self.materials = Materials::new(self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+        self.bounds = scene.bounds();
+        self.gpu.check()
+    }
+
+    /// Takes new node transforms of the scene that was set last, without an upload of its meshes. A scene with other meshes is
+    /// taken over whole.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_scene`].
+    pub fn move_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        if !self.geometry.move_instances(self.gpu, scene) {
+            return self.set_scene(scene);
+        }
+        self.bounds = scene.bounds();
+        Ok(())
+    }
+
+    /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.
+    ///
+    /// # Errors
+    /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
+    pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
+        let gpu = self.gpu;
+        let lighting = Lighting::new(gpu, map, set)?;
+        let light_count = lighting.lights.len() as u32;
+        let lights = gpu.empty_buffer(
+            "lights",
+            (size_of::<layout::Light>() * lighting.lights.len().max(1)) as u64,
+            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        );
+        let (maps, resolution) = match self.technique.needs_depth_maps() {
+            true => (light_count, self.settings.shadow_resolution),
+            false => (0, 1),
+        };
+        let depth_maps = DepthMaps::new(gpu, &self.passes.shadow_map, &lights, maps, resolution)?;
+        let shadows = self.technique.resources(gpu, &self.settings.shadow_settings, &depth_maps)?;
+        let module = self.technique.module();
+        let shade = ShadePass::new(gpu, &self.passes.shade_layouts, module, &*shadows, self.compositing)?;
+        let frame_group = self.passes.shade_layouts.frame_group(gpu, &self.view, &lights, &lighting);
+        self.lighting = Some(Lit { lighting, lights, depth_maps, shadows, shade, frame_group });
+        gpu.check()
+    }
+
+    /// GPU memory of all shadow maps and their filtered images in bytes.
+    pub fn shadow_bytes(&self) -> u64 {
+        self.lighting.as_ref().map_or(0, |lit| lit.depth_maps.bytes() + lit.shadows.bytes())
+    }
+
+    /// Draws one frame of `width` x `height` pixels and waits for it.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed.
+    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
+        let timings = self.draw(camera, width, height)?;
+        let Some(target) = &self.target else {
+            return Err(RenderError::Device("no frame was drawn".to_owned()));
+        };
+        let bytes = self.gpu.read_texture(&target.output.radiance, 16)?;
+        let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let texels = texels.into_iter().map(|[r, g, b, _]| glam::Vec3::new(r, g, b)).collect();
+        let radiance = RgbImage::from_texels(width, height, texels)
+            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
+        let display = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(&target.output.display, 4)?);
+        Ok(Frame { radiance, display, timings })
+    }
+
+    /// Draws one frame without reading it back, and waits until the device is idle: what a benchmark times.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
+        let gpu = self.gpu;
+        let largest = gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
+        check_range("picture width", width, 1..=largest)?;
+        check_range("picture height", height, 1..=largest)?;
+        if self.target.as_ref().is_none_or(|target| target.size != [width, height]) {
+            self.target = Some(self.new_target([width, height]));
+        }
+        let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
+            return Err(RenderError::Device("no lighting was set".to_owned()));
+        };
+        let samples = self.settings.samples;
+        let sample_size = [width * samples, height * samples];
+        self.write_uniforms(lit, camera, sample_size);
+
+        let mut recorder = Recorder::new(gpu, self.settings.profile);
+        self.passes.transform.encode(&mut recorder, &self.geometry);
+        recorder.end_pass("transform")?;
+        self.passes.shadow_map.encode(&mut recorder, &self.geometry, &lit.depth_maps);
+        recorder.end_pass("shadow maps")?;
+        lit.shadows.encode(&mut recorder);
+        recorder.end_pass("shadow filter")?;
+        self.passes.gbuffer.encode(
+            &mut recorder,
+            &target.gbuffer,
+            &self.view_group,
+            &self.geometry,
+            &self.materials,
+        );
+        recorder.end_pass("gbuffer")?;
+        let groups =
+            [&lit.frame_group, &target.gbuffer_group, lit.shadows.bind_group(), &target.sample_group];
+        lit.shade.encode(&mut recorder, groups, sample_size);
+        recorder.end_pass("shade")?;
+        self.passes.resolve.encode(
+            &mut recorder,
+            &target.output,
+            samples,
+            self.settings.exposure_ev,
+            self.settings.tone_mapping,
+        );
+        recorder.end_pass("resolve")?;
+        let timings = recorder.finish()?;
+        gpu.wait()?;
+        Ok(timings)
+    }
+
+    fn write_uniforms(&self, lit: &Lit, camera: &Camera, [width, height]: [u32; 2]) {
+        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+        let view = layout::View {
+            clip_from_world: matrices.clip_from_world.to_cols_array_2d(),
+            world_from_clip: matrices.world_from_clip.to_cols_array_2d(),
+            eye_world: matrices.eye_world.to_array(),
+            size: [width, height],
+            light_count: lit.lighting.lights.len() as u32,
+            flags: if self.settings.background { layout::FLAG_BACKGROUND } else { 0 },
+            residual_sh: lit.lighting.residual_sh,
+        };
+        self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        let lights: Vec<layout::Light> = lit
+            .lighting
+            .lights
+            .iter()
+            .map(|light| {
+                let settings = &self.settings;
+                light_uniform(
+                    light,
+                    &self.geometry.boxes,
+                    settings.shadow_resolution,
+                    settings.normal_offset_texels,
+                )
+            })
+            .collect();
+        self.gpu.queue.write_buffer(&lit.lights, 0, bytemuck::cast_slice(&lights));
+    }
+
+    fn new_target(&self, size: [u32; 2]) -> Target {
+        let gpu = self.gpu;
+        let sample_size = size.map(|side| side * self.settings.samples);
+        let gbuffer = GBuffer::new(gpu, sample_size);
+        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+        let [width, height] = sample_size;
+        let samples = gpu
+            .texture("samples", [width, height, 1], 1, RADIANCE_FORMAT, usage)
+            .create_view(&Default::default());
+        Target {
+            size,
+            gbuffer_group: self.passes.shade_layouts.gbuffer_group(gpu, &gbuffer),
+            sample_group: self.passes.shade_layouts.output_group(gpu, &samples),
+            output: self.passes.resolve.output(gpu, &samples, size),
+            gbuffer,
+        }
+    }
+}

@@ -1,0 +1,90 @@
+use gnomon_image::tonemap::ToneMapping;
+use gnomon_shaders::layout;
+
+use crate::bindings::{Binding, D2};
+use crate::recorder::Recorder;
+use crate::shade::RADIANCE_FORMAT;
+use crate::{Gpu, RenderError};
+
+const DISPLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// The finished picture on the GPU.
+pub(crate) struct Output {
+    pub radiance: wgpu::Texture,
+    pub display: wgpu::Texture,
+    bind_group: wgpu::BindGroup,
+    parameters: wgpu::Buffer,
+    size: [u32; 2],
+}
+
+/// Filters samples to pixels and tone-maps them.
+pub(crate) struct ResolvePass {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl ResolvePass {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let written = |format| Binding::StorageTexture { format, dimension: D2 };
+        let layout = gpu.layout(
+            "resolve",
+            wgpu::ShaderStages::COMPUTE,
+            &[
+                (0, Binding::Uniform),
+                (1, Binding::LOADED),
+                (2, written(RADIANCE_FORMAT)),
+                (3, written(DISPLAY_FORMAT)),
+            ],
+        );
+        let pipeline = gpu.compute_pipeline(&gpu.shader("resolve", &[])?, "resolve", &[Some(&layout)]);
+        Ok(Self { layout, pipeline })
+    }
+
+    /// Textures for pictures of `size` pixels, made from `samples`.
+    pub fn output(&self, gpu: &Gpu, samples: &wgpu::TextureView, size: [u32; 2]) -> Output {
+        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let [width, height] = size;
+        let radiance = gpu.texture("radiance", [width, height, 1], 1, RADIANCE_FORMAT, usage);
+        let display = gpu.texture("display", [width, height, 1], 1, DISPLAY_FORMAT, usage);
+        let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let parameters = gpu.empty_buffer("resolve", size_of::<layout::ResolveParameters>() as u64, uniform);
+        let (radiance_view, display_view) =
+            (radiance.create_view(&Default::default()), display.create_view(&Default::default()));
+        let bind_group = gpu.bind_group(
+            "resolve",
+            &self.layout,
+            &[
+                (0, parameters.as_entire_binding()),
+                (1, wgpu::BindingResource::TextureView(samples)),
+                (2, wgpu::BindingResource::TextureView(&radiance_view)),
+                (3, wgpu::BindingResource::TextureView(&display_view)),
+            ],
+        );
+        Output { radiance, display, bind_group, parameters, size }
+    }
+
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        output: &Output,
+        samples: u32,
+        exposure_ev: f32,
+        tone_mapping: ToneMapping,
+    ) {
+        let parameters = layout::ResolveParameters {
+            samples,
+            exposure: gnomon_image::tonemap::exposure_scale(exposure_ev),
+            tone_mapping: match tone_mapping {
+                ToneMapping::Linear => 0,
+                ToneMapping::Neutral => 1,
+            },
+            padding: 0,
+        };
+        recorder.gpu.queue.write_buffer(&output.parameters, 0, bytemuck::bytes_of(&parameters));
+        let [width, height] = output.size;
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &output.bind_group, &[]);
+        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+    }
+}
