@@ -1,13 +1,24 @@
 //! Scenes: meshes, materials, cameras, and the files they come from.
+//!
+//! [`load`] reads a file of any format that [`formats`] lists, [`builtin::by_name`] makes a scene by code. What a file
+//! does not say is decided by [`default_camera`] and [`Scene::add_ground`]. CPU shading reads a hit through
+//! [`Scene::surface_at`].
 
+pub mod builtin;
 mod camera;
+mod error;
+mod framing;
+mod load;
 mod material;
 mod scene;
 mod shade_inputs;
 mod texture;
 
 pub use camera::{Camera, Projection};
+pub use error::SceneError;
+pub use framing::{Ground, default_camera};
+pub use load::{EnvironmentSettings, EnvironmentSource, Format, LoadOptions, LoadedScene, formats, load};
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
 pub use scene::{Bounds, MaterialId, Mesh, MeshId, Node, NodeId, Scene};
-pub use shade_inputs::{SurfacePoint, perturb_normal};
+pub use shade_inputs::{SurfacePoint, normal_matrix, perturb_normal};
 pub use texture::linear_from_srgb;

@@ -115,3 +115,17 @@ impl Default for Material {
         }
     }
 }
+
+impl Material {
+    /// Every place for a texture.
+    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 6] {
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.specular_texture,
+            &mut self.specular_color_texture,
+            &mut self.emissive_texture,
+        ]
+    }
+}

@@ -1,6 +1,6 @@
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-use crate::{Camera, Material, Texture};
+use crate::{Camera, Material, SceneError, Texture, TextureRef};
 
 /// Index into [`Scene::meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,6 +59,9 @@ pub struct Scene {
     pub nodes: Vec<Node>,
     /// Cameras, in file order; the first is used unless another is named.
     pub cameras: Vec<Camera>,
+    /// The node of the ground that [`Scene::add_ground`] or a built-in scene put under the models: it is drawn like any
+    /// other, but does not count in framing.
+    pub ground: Option<NodeId>,
     /// What the loader repaired or ignored, one line each, for the user to read.
     pub warnings: Vec<String>,
 }
@@ -107,17 +110,122 @@ impl Scene {
 
     /// Box around every placed triangle corner; `None` for a scene without triangles.
     pub fn bounds(&self) -> Option<Bounds> {
+        self.bounds_where(|_| true)
+    }
+
+    /// The same without the ground; `None` where there is nothing else.
+    pub fn bounds_without_ground(&self) -> Option<Bounds> {
+        self.bounds_where(|node| Some(node) != self.ground)
+    }
+
+    fn bounds_where(&self, counts: impl Fn(NodeId) -> bool) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;
-        for (mesh, world_from_mesh) in self.instances() {
-            let mesh = &self.meshes[mesh.0];
-            for &index in mesh.triangles.iter().flatten() {
-                let p = world_from_mesh.transform_point3(mesh.positions[index as usize]);
-                let b = bounds.get_or_insert(Bounds { min: p, max: p });
-                b.min = b.min.min(p);
-                b.max = b.max.max(p);
+        for (node, world_from_node) in self.world_from_nodes().into_iter().enumerate() {
+            if !counts(NodeId(node)) {
+                continue;
+            }
+            for mesh in &self.nodes[node].meshes {
+                let mesh = &self.meshes[mesh.0];
+                for &index in mesh.triangles.iter().flatten() {
+                    let p = world_from_node.transform_point3(mesh.positions[index as usize]);
+                    let b = bounds.get_or_insert(Bounds { min: p, max: p });
+                    b.min = b.min.min(p);
+                    b.max = b.max.max(p);
+                }
             }
         }
         bounds
+    }
+
+    /// Camera by name, or by its number from 0 where no camera has that name; `None` asks for the first.
+    ///
+    /// # Errors
+    /// [`SceneError::Request`] naming the cameras that exist.
+    pub fn camera(&self, name: Option<&str>) -> Result<&Camera, SceneError> {
+        let found = match name {
+            None => self.cameras.first(),
+            Some(name) => self
+                .cameras
+                .iter()
+                .find(|camera| camera.name == name)
+                .or_else(|| name.parse::<usize>().ok().and_then(|number| self.cameras.get(number))),
+        };
+        found.ok_or_else(|| match (name, self.cameras.len()) {
+            (None, _) | (_, 0) => SceneError::Request("the scene has no camera".to_owned()),
+            (Some(name), _) => {
+                let known: Vec<&str> = self.cameras.iter().map(|camera| camera.name.as_str()).collect();
+                SceneError::Request(format!(
+                    "the scene has no camera '{name}' (there are: {})",
+                    known.join(", ")
+                ))
+            }
+        })
+    }
+
+    /// Adds a mesh and a root node that places it where it is.
+    pub(crate) fn push_mesh(&mut self, name: &str, mesh: Mesh) -> NodeId {
+        self.meshes.push(mesh);
+        self.nodes.push(Node {
+            name: name.to_owned(),
+            parent: None,
+            parent_from_node: Affine3A::IDENTITY,
+            meshes: vec![MeshId(self.meshes.len() - 1)],
+        });
+        NodeId(self.nodes.len() - 1)
+    }
+
+    /// Adds everything of `other` under a new node `root`, which has no meshes. Cameras follow `root`'s transform, without
+    /// its scale; a ground of `other` becomes an ordinary node.
+    pub fn append(&mut self, other: Self, root: Node) {
+        let (meshes, materials) = (self.meshes.len(), self.materials.len());
+        let (textures, first) = (self.textures.len(), self.nodes.len() + 1);
+        let moved_texture = |texture: &mut Option<TextureRef>| {
+            if let Some(texture) = texture {
+                texture.texture.0 += textures;
+            }
+        };
+        self.textures.extend(other.textures);
+        self.materials.extend(other.materials.into_iter().map(|mut material| {
+            for texture in material.textures_mut() {
+                moved_texture(texture);
+            }
+            material
+        }));
+        self.meshes.extend(other.meshes.into_iter().map(|mut mesh| {
+            mesh.material = mesh.material.map(|material| MaterialId(material.0 + materials));
+            mesh
+        }));
+        let (_, rotation, _) = root.parent_from_node.to_scale_rotation_translation();
+        self.cameras.extend(other.cameras.into_iter().map(|mut camera| {
+            let eye = root.parent_from_node.transform_point3(camera.eye());
+            let turned = glam::Mat4::from_quat(rotation) * camera.world_from_camera;
+            camera.world_from_camera = turned;
+            camera.world_from_camera.w_axis = eye.extend(1.0);
+            camera
+        }));
+        self.warnings.extend(other.warnings.into_iter().map(|warning| match root.name.as_str() {
+            "" => warning,
+            name => format!("{name}: {warning}"),
+        }));
+        self.nodes.push(root);
+        self.nodes.extend(other.nodes.into_iter().map(|mut node| {
+            node.parent = Some(NodeId(node.parent.map_or(first - 1, |parent| parent.0 + first)));
+            node.meshes.iter_mut().for_each(|mesh| mesh.0 += meshes);
+            node
+        }));
+    }
+
+    /// Refuses a scene whose transforms or corners leave the range in which squares of coordinates stay finite.
+    pub(crate) fn check_extent(&self) -> Result<(), String> {
+        let world = self.world_from_nodes();
+        if let Some(node) = world.iter().position(|affine| !affine.is_finite()) {
+            return Err(format!("the transforms down to node {node} grow beyond all bounds"));
+        }
+        let most = self.bounds().map_or(0.0, |bounds| bounds.min.abs().max(bounds.max.abs()).max_element());
+        if most > 1e15 || most.is_nan() {
+            return Err(format!("its geometry reaches {most:.1e} m from the origin"));
+        }
+        Ok(())
     }
 
     /// Number of placed triangles.

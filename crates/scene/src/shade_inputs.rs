@@ -1,14 +1,14 @@
 //! What shading on the CPU reads at a hit: textures, vertex attributes and the normal map, all in mesh space.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Affine3A, Mat3, Vec2, Vec3, Vec4};
 use gnomon_brdf::Surface;
 
+use crate::load::triangle_normal;
 use crate::{AlphaMode, Material, Mesh, MeshId, Scene, TextureRef};
 
 /// A surface point with every texture and vertex attribute evaluated.
 ///
-/// Normals are unit vectors in *mesh* space: bring them to the world with the inverse transpose of `world_from_mesh`
-/// and normalize. (The normal map is applied before that, so the same matrix serves tangent, bitangent and normal.)
+/// Normals are unit vectors in *mesh* space: bring them to the world with [`normal_matrix`] and normalize. (The normal map is applied before that, so the same matrix serves tangent, bitangent and normal.)
 /// Both point to the front face's side, the one from which the triangle runs counter-clockwise; who looks from
 /// behind turns them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,8 +65,7 @@ impl Scene {
             emissive *= self.srgb(texture, uvs).truncate();
         }
 
-        let [a, b, c] = corners.map(|index| mesh.positions[index]);
-        let plane = (b - a).cross(c - a).try_normalize();
+        let plane = triangle_normal(corners.map(|index| mesh.positions[index]));
         let interpolated = if mesh.normals.is_empty() {
             None
         } else {
@@ -156,6 +155,16 @@ pub fn perturb_normal(normal: Vec3, tangent: Vec4, texel: Vec3, scale: f32) -> V
     let b = normal.cross(t) * tangent.w;
     let local = 2.0 * texel - Vec3::ONE;
     (t * local.x * scale + b * local.y * scale + normal * local.z).try_normalize().unwrap_or(normal)
+}
+
+/// Takes normals from mesh to world space; normalize the result. This is the cofactor matrix of the linear part, its
+/// inverse transpose times its determinant's size: no division, so a transform that flattens a mesh is no special case.
+/// In a mirroring transform it keeps the normal on the side that was the front.
+pub fn normal_matrix(world_from_mesh: &Affine3A) -> Mat3 {
+    let m = Mat3::from(world_from_mesh.matrix3);
+    let cofactors =
+        Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+    if m.determinant() < 0.0 { -cofactors } else { cofactors }
 }
 
 fn is_visible(material: &Material, alpha: f32) -> bool {
@@ -269,6 +278,20 @@ mod tests {
         assert_eq!(perturb_normal(Vec3::Z, tangent, texel, 0.0), Vec3::Z);
         assert_eq!(perturb_normal(Vec3::Z, Vec4::new(0.0, 0.0, 2.0, 1.0), texel, 1.0), Vec3::Z);
         assert_eq!(perturb_normal(Vec3::Z, tangent, Vec3::splat(0.5), 1.0), Vec3::Z);
+    }
+
+    #[test]
+    fn normals_stay_perpendicular_under_any_transform() {
+        let rotation = glam::Quat::from_rotation_y(0.7);
+        for scale in [Vec3::new(1.0, 4.0, 0.3), Vec3::new(-1.0, 2.0, 1.0), Vec3::new(1.0, 1.0, 0.0)] {
+            let affine = Affine3A::from_scale_rotation_translation(scale, rotation, Vec3::ONE);
+            let normal = Vec3::new(0.0, 0.6, 0.8);
+            let across = Vec3::new(0.3, 0.8, -0.6);
+            let world = normal_matrix(&affine) * normal;
+            assert!(world.dot(affine.transform_vector3(across)).abs() < 1e-5, "{scale}");
+            // The front stays the front.
+            assert!(world.dot(affine.transform_vector3(normal)) >= 0.0, "{scale}");
+        }
     }
 
     #[test]

@@ -1,0 +1,206 @@
+//! What a model needs to be looked at when its file does not say: a camera, and ground to throw its shadow on.
+
+use glam::{Vec2, Vec3};
+
+use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene};
+
+/// What lies under the models.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Ground {
+    /// A matte square, see [`Scene::add_ground`].
+    Plane,
+    /// Nothing more than the scene brings.
+    #[default]
+    None,
+}
+
+impl std::str::FromStr for Ground {
+    type Err = crate::SceneError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "plane" => Ok(Self::Plane),
+            "none" => Ok(Self::None),
+            _ => {
+                let text = crate::error::one_line(text);
+                Err(crate::SceneError::Request(format!(
+                    "ground '{text}' is unknown (plane and none are known)"
+                )))
+            }
+        }
+    }
+}
+
+/// Half the ground's side over the radius of the model's footprint. Shadow maps cover the scene's bounds, so a larger
+/// ground would cost them resolution.
+const GROUND_HALF_SIDE: f32 = 4.0;
+
+/// The longer side of a default camera's picture spans this angle [rad].
+const LONG_SIDE_FOV: f32 = 40.0 * std::f32::consts::PI / 180.0;
+
+/// Part of the frame that a default camera leaves free on either side.
+const MARGIN: f32 = 0.08;
+
+impl Scene {
+    /// Puts `ground` under the scene. A plane is a square of two triangles, Lambert 0.5, centred under the lowest point;
+    /// its half side is four times the radius of the models' footprint. A scene without triangles, or one that
+    /// has its ground already, stays as it is.
+    pub fn add_ground(&mut self, ground: Ground) {
+        let (Ground::Plane, None, Some(bounds)) = (ground, self.ground, self.bounds()) else { return };
+        let center = bounds.center();
+        let footprint = 0.5 * Vec2::new(bounds.max.x - bounds.min.x, bounds.max.z - bounds.min.z).length();
+        // Something upright and flat, seen edge-on from above, still gets some ground.
+        let half = GROUND_HALF_SIDE * footprint.max(0.25 * bounds.radius()).max(f32::MIN_POSITIVE);
+        let material = Material { name: "ground".to_owned(), double_sided: true, ..Material::default() };
+        self.materials.push(material);
+        let mut mesh = square(Vec3::new(center.x, bounds.min.y, center.z), half);
+        mesh.material = Some(MaterialId(self.materials.len() - 1));
+        self.ground = Some(self.push_mesh("ground", mesh));
+    }
+}
+
+/// A horizontal square facing up.
+pub(crate) fn square(center: Vec3, half: f32) -> Mesh {
+    let corner = |x: f32, z: f32| center + Vec3::new(x * half, 0.0, z * half);
+    Mesh {
+        positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
+        normals: vec![Vec3::Y; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// A camera for a scene without one: three quarters from the front and slightly from above, so that the models (not the
+/// ground) fill a picture of width over height `aspect` up to a small margin. An empty scene is taken for a unit
+/// box on the ground; an aspect that is not positive and finite for 1.
+pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
+    let aspect = if aspect.is_finite() && aspect > 0.0 { aspect.clamp(1e-3, 1e3) } else { 1.0 };
+    let unit = Bounds { min: Vec3::new(-0.5, 0.0, -0.5), max: Vec3::new(0.5, 1.0, 0.5) };
+    let bounds = scene.bounds_without_ground().or_else(|| scene.bounds()).unwrap_or(unit);
+    let center = bounds.center();
+    let radius = bounds.radius();
+    // A single point is framed like a small thing.
+    let radius = if radius > 1e-6 * center.length() { radius } else { (1e-3 * center.length()).max(1e-3) };
+    let (azimuth, elevation) = (33_f32.to_radians(), 20_f32.to_radians());
+    let back = Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+    let right = Vec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    let tan_long = (0.5 * LONG_SIDE_FOV).tan();
+    let (tan_x, tan_y) =
+        if aspect >= 1.0 { (tan_long, tan_long / aspect) } else { (tan_long * aspect, tan_long) };
+    let usable = 1.0 - 2.0 * MARGIN;
+    let half = 0.5 * (bounds.max - bounds.min);
+    let mut distance = radius;
+    for corner in 0..8 {
+        let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let offset = half * Vec3::new(sign(0), sign(1), sign(2));
+        let (x, y, z) = (right.dot(offset).abs(), up.dot(offset).abs(), back.dot(offset));
+        distance = distance.max(z + (x / tan_x).max(y / tan_y) / usable);
+    }
+    Camera::look_at(center + distance * back, center, 2.0 * tan_x.atan())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Projection, builtin};
+
+    fn scene(min: Vec3, max: Vec3) -> Scene {
+        let mut scene = Scene::default();
+        let mesh = Mesh {
+            positions: vec![min, max, Vec3::new(min.x, max.y, min.z)],
+            normals: vec![Vec3::Y; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        scene.push_mesh("triangle", mesh);
+        scene
+    }
+
+    /// Largest |x| and |y| of the bounds' corners on a picture that spans -1 to 1.
+    fn extent(camera: &Camera, bounds: Bounds, aspect: f32) -> (f32, f32) {
+        let Projection::Perspective { fov_x } = camera.projection else { panic!("perspective") };
+        let tan = (0.5 * fov_x).tan();
+        let view = camera.world_from_camera.inverse();
+        let mut most = (0.0_f32, 0.0_f32);
+        for corner in 0..8_u32 {
+            let pick = |bit: u32, a: f32, b: f32| if corner >> bit & 1 == 1 { a } else { b };
+            let p = Vec3::new(
+                pick(0, bounds.min.x, bounds.max.x),
+                pick(1, bounds.min.y, bounds.max.y),
+                pick(2, bounds.min.z, bounds.max.z),
+            );
+            let p = view.transform_point3(p);
+            assert!(p.z < 0.0, "behind the camera");
+            most = (most.0.max((p.x / -p.z / tan).abs()), most.1.max((p.y / -p.z / tan * aspect).abs()));
+        }
+        most
+    }
+
+    #[test]
+    fn the_whole_model_is_in_frame_for_every_shape_and_aspect() {
+        for size in [
+            Vec3::ONE,
+            Vec3::new(0.01, 5.0, 0.01),
+            Vec3::new(9.0, 0.1, 9.0),
+            Vec3::splat(1e-4),
+            Vec3::splat(1e5),
+        ] {
+            let mut scene = scene(Vec3::splat(3.0), Vec3::splat(3.0) + size);
+            let bounds = scene.bounds().unwrap();
+            let before = default_camera(&scene, 1.5);
+            scene.add_ground(Ground::Plane);
+            assert_eq!(default_camera(&scene, 1.5), before, "the ground does not count");
+            for aspect in [0.1, 0.5, 1.0, 1.5, 4.0, 20.0] {
+                let (x, y) = extent(&default_camera(&scene, aspect), bounds, aspect);
+                let fill = x.max(y);
+                assert!(fill < 0.9, "size {size}, aspect {aspect}: the model leaves the frame ({x}, {y})");
+                assert!(
+                    fill > 0.5,
+                    "size {size}, aspect {aspect}: the model is lost in the frame ({x}, {y})"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_default_camera_always_exists() {
+        let point = scene(Vec3::splat(7.0), Vec3::splat(7.0));
+        for scene in [Scene::default(), point] {
+            for aspect in [1.0, 0.0, -1.0, f32::NAN, f32::INFINITY] {
+                assert!(default_camera(&scene, aspect).world_from_camera.is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn the_ground_lies_under_the_lowest_point_and_is_laid_once() {
+        let mut scene = scene(Vec3::new(1.0, 2.0, 3.0), Vec3::new(2.0, 4.0, 4.0));
+        scene.add_ground(Ground::None);
+        assert_eq!(scene.triangle_count(), 1);
+        scene.add_ground(Ground::Plane);
+        scene.add_ground(Ground::Plane);
+        assert_eq!(scene.triangle_count(), 3);
+        let bounds = scene.bounds().unwrap();
+        assert_eq!(bounds.min.y, 2.0);
+        assert_eq!(bounds.max.y, 4.0);
+        assert!((bounds.center() - Vec3::new(1.5, 3.0, 3.5)).length() < 1e-5);
+        // The footprint's radius is half of sqrt 2.
+        assert!((bounds.max.x - bounds.min.x - 8.0 * 0.707_106_8).abs() < 1e-4);
+        let up = crate::load::triangle_normal(
+            scene.meshes[1].triangles[0].map(|i| scene.meshes[1].positions[i as usize]),
+        );
+        assert_eq!(up, Some(Vec3::Y));
+    }
+
+    #[test]
+    fn scenes_with_nothing_or_their_own_ground_get_none() {
+        let mut empty = Scene::default();
+        empty.add_ground(Ground::Plane);
+        assert_eq!(empty, Scene::default());
+        let mut boxes = builtin::by_name("three-boxes").unwrap();
+        boxes.add_ground(Ground::Plane);
+        assert_eq!(boxes.triangle_count(), 38);
+    }
+}

@@ -1,0 +1,137 @@
+//! What every loader does to a mesh before it hands it on: repair, flat normals, tangents.
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
+
+use super::{Budget, tangents};
+use crate::Mesh;
+use crate::error::Fault;
+
+/// Largest coordinate [m] that is taken for a position: its square, and products of a few, stay far inside `f32`.
+pub const LARGEST_COORDINATE: f32 = 1e12;
+
+/// Bytes that one vertex takes at most: position, normal, tangent, two coordinate sets, colour.
+pub const VERTEX_BYTES: usize = 12 + 12 + 16 + 2 * 8 + 16;
+
+/// Bytes of one triangle's indices.
+pub const TRIANGLE_BYTES: usize = 12;
+
+/// Makes a mesh as [`Mesh`] promises it. `mesh` has arrays of equal length (or empty ones) and indices in range;
+/// `what` names it in warnings. `tangent_set` is the texture coordinate set of the normal map, if there is one.
+///
+/// - A triangle with a corner that is not finite, or beyond [`LARGEST_COORDINATE`], is dropped with a warning.
+/// - Triangles without area stay: they are seen by nobody.
+/// - No normals: flat ones, corners unshared. A normal that is zero or not finite: its triangles' mean.
+/// - Texture coordinates that are not finite become 0, colours 1; negative colours 0.
+pub fn finish(
+    mut mesh: Mesh,
+    tangent_set: Option<usize>,
+    what: &str,
+    budget: &mut Budget,
+    warnings: &mut Vec<String>,
+) -> Result<Mesh, Fault> {
+    drop_broken_triangles(&mut mesh, what, warnings);
+    for uv in mesh.uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {
+        *uv = Vec2::ZERO;
+    }
+    for color in &mut mesh.colors {
+        *color = if color.is_finite() { color.max(Vec4::ZERO) } else { Vec4::ONE };
+    }
+    if mesh.normals.is_empty() {
+        budget.take(mesh.triangles.len(), 3 * VERTEX_BYTES)?;
+        mesh = flattened(mesh);
+    } else {
+        repair_normals(&mut mesh, what, warnings);
+    }
+    match tangent_set {
+        Some(set) if !mesh.uvs[set].is_empty() => {
+            let usable = mesh.tangents.iter().all(|t| t.is_finite() && t.truncate().length_squared() > 0.0);
+            if mesh.tangents.is_empty() || !usable {
+                budget.take(mesh.triangles.len(), 3 * VERTEX_BYTES)?;
+                mesh = tangents::generated(mesh, set);
+            } else {
+                for tangent in &mut mesh.tangents {
+                    let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+                    *tangent = tangent.truncate().normalize_or(Vec3::X).extend(sign);
+                }
+            }
+        }
+        _ => mesh.tangents = Vec::new(),
+    }
+    Ok(mesh)
+}
+
+/// Unit normal of the plane through three corners, counter-clockwise from the front; `None` without area.
+/// In double precision: the square of a small triangle's area would vanish in single.
+pub fn triangle_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
+    let [a, b, c]: [DVec3; 3] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+    (b - a).cross(c - a).try_normalize().map(|normal| normal.as_vec3())
+}
+
+fn drop_broken_triangles(mesh: &mut Mesh, what: &str, warnings: &mut Vec<String>) {
+    // False for NaN.
+    let usable = |p: &Vec3| p.abs().max_element() <= LARGEST_COORDINATE && p.is_finite();
+    if mesh.positions.iter().all(usable) {
+        return;
+    }
+    let before = mesh.triangles.len();
+    let positions = &mesh.positions;
+    mesh.triangles.retain(|triangle| triangle.iter().all(|&index| usable(&positions[index as usize])));
+    for position in mesh.positions.iter_mut().filter(|p| !usable(p)) {
+        *position = Vec3::ZERO;
+    }
+    let dropped = before - mesh.triangles.len();
+    if dropped > 0 {
+        warnings.push(format!("{what}: left out {dropped} triangles with corners that are not finite"));
+    }
+}
+
+/// The mesh with three vertices of its own for every triangle, and the triangle's normal at each.
+fn flattened(mesh: Mesh) -> Mesh {
+    fn unshared<T: Copy>(values: &[T], triangles: &[[u32; 3]]) -> Vec<T> {
+        if values.is_empty() {
+            return Vec::new();
+        }
+        triangles.iter().flatten().map(|&index| values[index as usize]).collect()
+    }
+    let positions = unshared(&mesh.positions, &mesh.triangles);
+    let normals = positions
+        .chunks_exact(3)
+        .flat_map(|corners| [triangle_normal([corners[0], corners[1], corners[2]]).unwrap_or(Vec3::Y); 3])
+        .collect();
+    Mesh {
+        normals,
+        // The file's tangents belong to normals that it does not give (glTF 2.0, section 3.7.2.1).
+        tangents: Vec::new(),
+        uvs: mesh.uvs.each_ref().map(|set| unshared(set, &mesh.triangles)),
+        colors: unshared(&mesh.colors, &mesh.triangles),
+        triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+        positions,
+        material: mesh.material,
+    }
+}
+
+fn repair_normals(mesh: &mut Mesh, what: &str, warnings: &mut Vec<String>) {
+    let mut broken = Vec::new();
+    for (index, normal) in mesh.normals.iter_mut().enumerate() {
+        match normal.as_dvec3().try_normalize() {
+            Some(unit) => *normal = unit.as_vec3(),
+            None => broken.push(index),
+        }
+    }
+    if broken.is_empty() {
+        return;
+    }
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for triangle in &mesh.triangles {
+        let corners = triangle.map(|index| mesh.positions[index as usize]);
+        if let Some(normal) = triangle_normal(corners) {
+            for &index in triangle {
+                sums[index as usize] += normal;
+            }
+        }
+    }
+    for &index in &broken {
+        mesh.normals[index] = sums[index].try_normalize().unwrap_or(Vec3::Y);
+    }
+    warnings.push(format!("{what}: {} normals were zero or not finite and were made anew", broken.len()));
+}

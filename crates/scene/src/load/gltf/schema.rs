@@ -1,0 +1,319 @@
+//! The parts of a glTF document that are used, as the specification's JSON schema names them. Unknown members are ignored.
+
+use std::collections::HashMap;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
+
+/// A non-negative integer; JSON may write it `2`, `2.0` or `2e0`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Int(pub usize);
+
+impl<'de> Deserialize<'de> for Int {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct IntVisitor;
+        impl Visitor<'_> for IntVisitor {
+            type Value = Int;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("a non-negative integer")
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Int, E> {
+                usize::try_from(value).map(Int).map_err(|_| E::custom(format!("{value} is too large")))
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Int, E> {
+                // 2^53: beyond, f64 has no unit steps.
+                if value.fract() == 0.0 && (0.0..9_007_199_254_740_992.0).contains(&value) {
+                    self.visit_u64(value as u64)
+                } else {
+                    Err(E::custom(format!("{value} is no non-negative integer")))
+                }
+            }
+        }
+        deserializer.deserialize_any(IntVisitor)
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Root {
+    pub asset: Asset,
+    pub scene: Option<Int>,
+    #[serde(default)]
+    pub scenes: Vec<SceneEntry>,
+    #[serde(default)]
+    pub nodes: Vec<NodeEntry>,
+    #[serde(default)]
+    pub meshes: Vec<MeshEntry>,
+    #[serde(default)]
+    pub accessors: Vec<Accessor>,
+    #[serde(default)]
+    pub buffer_views: Vec<BufferView>,
+    #[serde(default)]
+    pub buffers: Vec<Buffer>,
+    #[serde(default)]
+    pub materials: Vec<MaterialEntry>,
+    #[serde(default)]
+    pub textures: Vec<TextureEntry>,
+    #[serde(default)]
+    pub images: Vec<ImageEntry>,
+    #[serde(default)]
+    pub samplers: Vec<Sampler>,
+    #[serde(default)]
+    pub cameras: Vec<CameraEntry>,
+    #[serde(default)]
+    pub extensions_used: Vec<String>,
+    #[serde(default)]
+    pub extensions_required: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Asset {
+    pub version: String,
+    pub min_version: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct SceneEntry {
+    #[serde(default)]
+    pub nodes: Vec<Int>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct NodeEntry {
+    pub name: Option<String>,
+    #[serde(default)]
+    pub children: Vec<Int>,
+    pub mesh: Option<Int>,
+    pub camera: Option<Int>,
+    pub skin: Option<Int>,
+    pub matrix: Option<[f32; 16]>,
+    pub translation: Option<[f32; 3]>,
+    pub rotation: Option<[f32; 4]>,
+    pub scale: Option<[f32; 3]>,
+    pub weights: Option<Vec<f32>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct MeshEntry {
+    pub name: Option<String>,
+    pub primitives: Vec<Primitive>,
+    pub weights: Option<Vec<f32>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Primitive {
+    pub attributes: HashMap<String, Int>,
+    pub indices: Option<Int>,
+    pub material: Option<Int>,
+    pub mode: Option<Int>,
+    #[serde(default)]
+    pub targets: Vec<HashMap<String, Int>>,
+    #[serde(default)]
+    pub extensions: PrimitiveExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub draco: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Accessor {
+    pub buffer_view: Option<Int>,
+    #[serde(default)]
+    pub byte_offset: Int,
+    pub component_type: Int,
+    #[serde(default)]
+    pub normalized: bool,
+    pub count: Int,
+    #[serde(rename = "type")]
+    pub shape: String,
+    pub sparse: Option<Sparse>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Sparse {
+    pub count: Int,
+    pub indices: SparseIndices,
+    pub values: SparseValues,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SparseIndices {
+    pub buffer_view: Int,
+    #[serde(default)]
+    pub byte_offset: Int,
+    pub component_type: Int,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SparseValues {
+    pub buffer_view: Int,
+    #[serde(default)]
+    pub byte_offset: Int,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct BufferView {
+    pub buffer: Int,
+    #[serde(default)]
+    pub byte_offset: Int,
+    pub byte_length: Int,
+    pub byte_stride: Option<Int>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Buffer {
+    pub uri: Option<String>,
+    pub byte_length: Int,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct MaterialEntry {
+    pub name: Option<String>,
+    #[serde(default)]
+    pub pbr_metallic_roughness: MetallicRoughness,
+    pub normal_texture: Option<TextureInfo>,
+    pub emissive_texture: Option<TextureInfo>,
+    #[serde(default)]
+    pub emissive_factor: [f32; 3],
+    #[serde(default)]
+    pub alpha_mode: AlphaModeEntry,
+    pub alpha_cutoff: Option<f32>,
+    #[serde(default)]
+    pub double_sided: bool,
+    #[serde(default)]
+    pub extensions: MaterialExtensions,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum AlphaModeEntry {
+    #[default]
+    Opaque,
+    Mask,
+    Blend,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct MetallicRoughness {
+    pub base_color_factor: Option<[f32; 4]>,
+    pub base_color_texture: Option<TextureInfo>,
+    pub metallic_factor: Option<f32>,
+    pub roughness_factor: Option<f32>,
+    pub metallic_roughness_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_specular")]
+    pub specular: Option<Specular>,
+    #[serde(rename = "KHR_materials_ior")]
+    pub ior: Option<Ior>,
+    #[serde(rename = "KHR_materials_emissive_strength")]
+    pub emissive_strength: Option<EmissiveStrength>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Specular {
+    pub specular_factor: Option<f32>,
+    pub specular_texture: Option<TextureInfo>,
+    pub specular_color_factor: Option<[f32; 3]>,
+    pub specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Ior {
+    pub ior: Option<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct EmissiveStrength {
+    pub emissive_strength: Option<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TextureInfo {
+    pub index: Int,
+    #[serde(default)]
+    pub tex_coord: Int,
+    /// Of normal textures.
+    pub scale: Option<f32>,
+    #[serde(default)]
+    pub extensions: TextureInfoExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct TextureInfoExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub transform: Option<TextureTransform>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TextureTransform {
+    #[serde(default)]
+    pub offset: [f32; 2],
+    #[serde(default)]
+    pub rotation: f32,
+    pub scale: Option<[f32; 2]>,
+    pub tex_coord: Option<Int>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct TextureEntry {
+    pub source: Option<Int>,
+    pub sampler: Option<Int>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct ImageEntry {
+    pub uri: Option<String>,
+    pub buffer_view: Option<Int>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Sampler {
+    pub mag_filter: Option<Int>,
+    pub wrap_s: Option<Int>,
+    pub wrap_t: Option<Int>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct CameraEntry {
+    pub name: Option<String>,
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub perspective: Option<Perspective>,
+    pub orthographic: Option<Orthographic>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Perspective {
+    pub yfov: f32,
+    pub aspect_ratio: Option<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Orthographic {
+    pub xmag: f32,
+}

@@ -1,0 +1,170 @@
+//! The header of a PLY file: what follows, in which order and encoding.
+
+use crate::error::Fault;
+
+/// How the numbers after the header are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// Type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn parse(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes in a binary file.
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// The value that full intensity has in an integer colour; `None` for floating point.
+    pub fn largest_integer(self) -> Option<f64> {
+        match self {
+            Self::I8 => Some(f64::from(i8::MAX)),
+            Self::U8 => Some(f64::from(u8::MAX)),
+            Self::I16 => Some(f64::from(i16::MAX)),
+            Self::U16 => Some(f64::from(u16::MAX)),
+            Self::I32 => Some(f64::from(i32::MAX)),
+            Self::U32 => Some(f64::from(u32::MAX)),
+            Self::F32 | Self::F64 => None,
+        }
+    }
+
+    /// The number in `size()` bytes, least significant first.
+    pub fn from_little_endian(self, bytes: &[u8]) -> f64 {
+        let mut word = [0; 8];
+        for (to, from) in word.iter_mut().zip(bytes) {
+            *to = *from;
+        }
+        let bits = u64::from_le_bytes(word);
+        match self {
+            Self::I8 => f64::from(bits as i8),
+            Self::U8 => f64::from(bits as u8),
+            Self::I16 => f64::from(bits as i16),
+            Self::U16 => f64::from(bits as u16),
+            Self::I32 => f64::from(bits as i32),
+            Self::U32 => f64::from(bits as u32),
+            Self::F32 => f64::from(f32::from_bits(bits as u32)),
+            Self::F64 => f64::from_bits(bits),
+        }
+    }
+}
+
+/// A column: a number, or a list where `count_type` is set.
+#[derive(Debug)]
+pub struct Property {
+    pub name: String,
+    pub scalar: Scalar,
+    pub count_type: Option<Scalar>,
+}
+
+/// A table of `count` rows.
+#[derive(Debug)]
+pub struct Element {
+    pub name: String,
+    pub count: u64,
+    pub properties: Vec<Property>,
+}
+
+#[derive(Debug)]
+pub struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+}
+
+/// Reads the header and returns it with the bytes after it.
+pub fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
+    let mut lines = Lines { rest: bytes, number: 0 };
+    if lines.next()?.trim_end() != "ply" {
+        return Err(Fault::invalid("it does not start with 'ply'"));
+    }
+    let mut encoding = None;
+    let mut elements: Vec<Element> = Vec::new();
+    loop {
+        let line = lines.next()?;
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        let bad = || Fault::Invalid(format!("header line {}: cannot understand '{line}'", lines.number));
+        match words.as_slice() {
+            [] | ["comment" | "obj_info", ..] => {}
+            ["format", name, version] => {
+                if *version != "1.0" {
+                    return Err(Fault::Unsupported(format!("PLY version {version} (1.0 is known)")));
+                }
+                encoding = Some(match *name {
+                    "ascii" => Encoding::Ascii,
+                    "binary_little_endian" => Encoding::Little,
+                    "binary_big_endian" => Encoding::Big,
+                    _ => return Err(bad()),
+                });
+            }
+            ["element", name, count] => {
+                let count = count.parse().map_err(|_| bad())?;
+                elements.push(Element { name: (*name).to_owned(), count, properties: Vec::new() });
+            }
+            ["property", "list", count_type, item, name] => {
+                let count_type = Some(Scalar::parse(count_type).ok_or_else(bad)?);
+                let scalar = Scalar::parse(item).ok_or_else(bad)?;
+                let element = elements.last_mut().ok_or_else(bad)?;
+                element.properties.push(Property { name: (*name).to_owned(), scalar, count_type });
+            }
+            ["property", scalar, name] => {
+                let scalar = Scalar::parse(scalar).ok_or_else(bad)?;
+                let element = elements.last_mut().ok_or_else(bad)?;
+                element.properties.push(Property { name: (*name).to_owned(), scalar, count_type: None });
+            }
+            ["end_header"] => break,
+            _ => return Err(bad()),
+        }
+    }
+    let encoding = encoding.ok_or_else(|| Fault::invalid("the header has no format line"))?;
+    Ok((Header { encoding, elements }, lines.rest))
+}
+
+/// Header lines, ended by LF, CR LF or CR.
+struct Lines<'a> {
+    rest: &'a [u8],
+    number: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn next(&mut self) -> Result<&'a str, Fault> {
+        self.number += 1;
+        let end = self.rest.iter().position(|&b| b == b'\n' || b == b'\r');
+        let end = end.ok_or_else(|| Fault::invalid("the header does not end"))?;
+        let (line, rest) = self.rest.split_at(end);
+        self.rest = if rest.starts_with(b"\r\n") { &rest[2..] } else { &rest[1..] };
+        // Comments may be in any encoding; nothing else has a reason to.
+        Ok(std::str::from_utf8(line).unwrap_or("comment"))
+    }
+}

@@ -1,0 +1,244 @@
+//! Gnomon's own scene file: models placed in a scene, their materials, camera, environment and ground. The format is
+//! described in `SCENE_FORMAT.md` beside this crate's manifest.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ::toml::Spanned;
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+use serde::Deserialize;
+
+use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadedScene, Source, load_within};
+use crate::camera::CameraSettings;
+use crate::error::{Fault, one_line};
+use crate::{Ground, Material, MaterialId, Node, Scene, builtin};
+
+/// Reads a scene file and the models that it places.
+pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
+    let text = std::str::from_utf8(super::without_bom(source.bytes))
+        .map_err(|_| Fault::invalid("a scene file is UTF-8 text"))?;
+    // The parsed document takes several times the size of its text.
+    budget.take(text.len(), 16)?;
+    let file: SceneFile = ::toml::from_str(text).map_err(|error| {
+        let at =
+            error.span().map_or_else(String::new, |span| format!("line {}: ", line_of(text, span.start)));
+        Fault::Invalid(format!("{at}{}", error.message()))
+    })?;
+    let reader = Reader { text, source };
+    reader.scene(&file, budget)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    ground: Option<Ground>,
+    camera: Option<Spanned<CameraSettings>>,
+    environment: Option<Spanned<EnvironmentEntry>>,
+    #[serde(default)]
+    material: BTreeMap<String, Spanned<MaterialEntry>>,
+    #[serde(default)]
+    model: Vec<Spanned<ModelEntry>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EnvironmentEntry {
+    file: Option<String>,
+    builtin: Option<String>,
+    #[serde(default)]
+    rotation: f32,
+    #[serde(default)]
+    exposure: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelEntry {
+    file: Option<String>,
+    builtin: Option<String>,
+    name: Option<String>,
+    #[serde(default)]
+    translation: [f32; 3],
+    #[serde(default)]
+    rotation: [f32; 3],
+    #[serde(default)]
+    scale: Scale,
+    material: Option<String>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "scale is one number or three")]
+enum Scale {
+    Uniform(f32),
+    Axes([f32; 3]),
+}
+
+impl Default for Scale {
+    fn default() -> Self {
+        Self::Uniform(1.0)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialEntry {
+    base_color: Option<[f32; 3]>,
+    metallic: Option<f32>,
+    roughness: Option<f32>,
+    specular: Option<f32>,
+    specular_color: Option<[f32; 3]>,
+    ior: Option<f32>,
+    emissive: Option<[f32; 3]>,
+    double_sided: Option<bool>,
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    source: &'a Source<'a>,
+}
+
+impl Reader<'_> {
+    fn scene(&self, file: &SceneFile, budget: &mut Budget) -> Result<LoadedScene, Fault> {
+        let mut scene = Scene::default();
+        let mut materials = BTreeMap::new();
+        for (name, entry) in &file.material {
+            let material = self.material(name, entry)?;
+            materials.insert(name.as_str(), MaterialId(scene.materials.len()));
+            scene.materials.push(material);
+        }
+        if let Some(camera) = &file.camera {
+            scene.cameras.push(camera.get_ref().camera().map_err(|message| self.at(camera, message))?);
+        }
+        for model in &file.model {
+            self.place(model, &materials, &mut scene, budget)?;
+        }
+        let environment = file.environment.as_ref().map(|entry| self.environment(entry)).transpose()?;
+        Ok(LoadedScene { scene, environment, ground: file.ground.unwrap_or(Ground::None) })
+    }
+
+    fn place(
+        &self,
+        spanned: &Spanned<ModelEntry>,
+        materials: &BTreeMap<&str, MaterialId>,
+        scene: &mut Scene,
+        budget: &mut Budget,
+    ) -> Result<(), Fault> {
+        let model = spanned.get_ref();
+        let (mut placed, name) = match (&model.file, &model.builtin) {
+            (Some(file), None) => {
+                let path = self.source.sibling(file);
+                let loaded = load_within(&path, self.source.options, budget, false)?;
+                (loaded.scene, super::stem(Path::new(file)))
+            }
+            (None, Some(name)) => {
+                let builtin = builtin::by_name(name);
+                (builtin.map_err(|error| self.at(spanned, error.to_string()))?, name.clone())
+            }
+            _ => return Err(self.at(spanned, "a model has either 'file' or 'builtin'".to_owned())),
+        };
+        if let Some(material) = &model.material {
+            let id = materials.get(material.as_str()).ok_or_else(|| {
+                self.at(spanned, format!("there is no [material.{}] in this file", one_line(material)))
+            })?;
+            // One material for the whole model; the file's own go, and so do its textures.
+            placed.meshes.iter_mut().for_each(|mesh| mesh.material = None);
+            placed.materials.clear();
+            placed.textures.clear();
+            let first = scene.meshes.len();
+            scene.append(placed, self.root(spanned, name)?);
+            scene.meshes[first..].iter_mut().for_each(|mesh| mesh.material = Some(*id));
+        } else {
+            scene.append(placed, self.root(spanned, name)?);
+        }
+        Ok(())
+    }
+
+    /// The node that places a model: scaled, then turned about x, y and z in this order, then moved.
+    fn root(&self, spanned: &Spanned<ModelEntry>, name: String) -> Result<Node, Fault> {
+        let model = spanned.get_ref();
+        let [x, y, z] = model.rotation.map(f32::to_radians);
+        let scale = match model.scale {
+            Scale::Uniform(scale) => Vec3::splat(scale),
+            Scale::Axes(scale) => Vec3::from_array(scale),
+        };
+        let rotation = Quat::from_euler(EulerRot::ZYX, z, y, x);
+        let translation = Vec3::from_array(model.translation);
+        if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
+            return Err(self.at(spanned, "translation, rotation and scale must be finite".to_owned()));
+        }
+        if scale.abs().min_element() < f32::MIN_POSITIVE {
+            return Err(self.at(spanned, "scale must not be 0".to_owned()));
+        }
+        Ok(Node {
+            name: model.name.as_deref().map_or(name, one_line),
+            parent: None,
+            parent_from_node: Affine3A::from_scale_rotation_translation(scale, rotation, translation),
+            meshes: Vec::new(),
+        })
+    }
+
+    fn material(&self, name: &str, spanned: &Spanned<MaterialEntry>) -> Result<Material, Fault> {
+        let entry = spanned.get_ref();
+        let check = |what: &str, values: &[f32], least: f32, most: f32| -> Result<(), Fault> {
+            if values.iter().all(|value| (least..=most).contains(value)) {
+                return Ok(());
+            }
+            let range =
+                if most == f32::MAX { format!("at least {least}") } else { format!("{least} to {most}") };
+            Err(self.at(spanned, format!("{what} of material '{}' must be {range}", one_line(name))))
+        };
+        let mut material = Material { name: one_line(name), double_sided: true, ..Material::default() };
+        let surface = &mut material.surface;
+        if let Some(color) = entry.base_color {
+            check("base_color", &color, 0.0, 1.0)?;
+            surface.base_color = Vec3::from_array(color);
+        }
+        if let Some(color) = entry.specular_color {
+            check("specular_color", &color, 0.0, f32::MAX)?;
+            surface.specular_color = Vec3::from_array(color);
+        }
+        if let Some(color) = entry.emissive {
+            check("emissive", &color, 0.0, f32::MAX)?;
+            material.emissive = Vec3::from_array(color);
+        }
+        if let Some(ior) = entry.ior {
+            check("ior", &[ior], 1.0, 10.0)?;
+            surface.ior = ior;
+        }
+        let fields = [
+            ("metallic", entry.metallic, &mut surface.metallic),
+            ("roughness", entry.roughness, &mut surface.roughness),
+            ("specular", entry.specular, &mut surface.specular),
+        ];
+        for (what, value, field) in fields {
+            if let Some(value) = value {
+                check(what, &[value], 0.0, 1.0)?;
+                *field = value;
+            }
+        }
+        material.double_sided = entry.double_sided.unwrap_or(true);
+        Ok(material)
+    }
+
+    fn environment(&self, spanned: &Spanned<EnvironmentEntry>) -> Result<EnvironmentSettings, Fault> {
+        let entry = spanned.get_ref();
+        let source = match (&entry.file, &entry.builtin) {
+            (Some(file), None) => EnvironmentSource::File(self.source.sibling(file)),
+            (None, Some(name)) => EnvironmentSource::Builtin(name.clone()),
+            _ => return Err(self.at(spanned, "an environment has either 'file' or 'builtin'".to_owned())),
+        };
+        if !(entry.rotation.is_finite() && entry.exposure.is_finite()) {
+            return Err(self.at(spanned, "rotation and exposure must be finite".to_owned()));
+        }
+        Ok(EnvironmentSettings { source, rotation_degrees: entry.rotation, exposure_ev: entry.exposure })
+    }
+
+    fn at<T>(&self, spanned: &Spanned<T>, message: String) -> Fault {
+        Fault::Invalid(format!("line {}: {message}", line_of(self.text, spanned.span().start)))
+    }
+}
+
+/// Line number, from 1, of a byte offset.
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}
