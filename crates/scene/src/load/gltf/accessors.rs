@@ -84,8 +84,7 @@ impl Accessors<'_> {
     /// Number of components of an accessor.
     pub fn width(&self, index: usize, referrer: &str) -> Result<usize, Fault> {
         let accessor = get(&self.root.accessors, index, "accessor", referrer)?;
-        width(accessor)
-            .ok_or_else(|| Fault::Invalid(format!("accessor {index} has an unknown or matrix type")))
+        width(accessor).ok_or_else(|| Fault::Invalid(format!("accessor {index} has an unknown type")))
     }
 
     /// Elements of `N` components as floats; integers are divided by their range where the accessor is normalized.
@@ -217,13 +216,15 @@ fn from_offset<'a>(
     })
 }
 
-/// Components of an element; `None` for matrices, which no vertex attribute is.
+/// Components of an element; `None` for types that are not read.
 fn width(accessor: &Accessor) -> Option<usize> {
     Some(match accessor.shape.as_str() {
         "SCALAR" => 1,
         "VEC2" => 2,
         "VEC3" => 3,
         "VEC4" => 4,
+        // The only matrices that are read; their columns are never padded.
+        "MAT4" => 16,
         _ => return None,
     })
 }

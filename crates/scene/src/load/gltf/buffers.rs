@@ -121,10 +121,10 @@ impl<'a> Buffers<'a> {
 pub fn resolve(uri: &str, source: &Source, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (kind, text) = data.split_once(',').ok_or_else(|| Fault::invalid("a data URI has no data"))?;
-        if !kind.ends_with(";base64") {
-            return Err(Fault::unsupported("a data URI that is not base64"));
-        }
         budget.take(text.len(), 1)?;
+        if !kind.ends_with(";base64") {
+            return percent_decoded(text).ok_or_else(|| Fault::invalid("a data URI has a broken % sequence"));
+        }
         return LENIENT
             .decode(text)
             .map_err(|error| Fault::Invalid(format!("a data URI is no base64: {error}")));
@@ -132,7 +132,8 @@ pub fn resolve(uri: &str, source: &Source, budget: &mut Budget) -> Result<Vec<u8
     let scheme = uri.split_once(':').is_some_and(|(scheme, _)| {
         !scheme.is_empty() && scheme.bytes().all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(&b))
     });
-    let path = percent_decoded(uri).filter(|path| !path.is_empty() && !path.contains('\0'));
+    let path = percent_decoded(uri).and_then(|path| String::from_utf8(path).ok());
+    let path = path.filter(|path| !path.is_empty() && !path.contains('\0'));
     let path = path.ok_or_else(|| Fault::Invalid(format!("'{}' is no URI", one_line(uri))))?;
     if scheme || path.starts_with(['/', '\\']) {
         let uri = one_line(uri);
@@ -148,8 +149,8 @@ const LENIENT: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// `%20` to a blank and so on (RFC 3986, section 2.1); `None` where a sequence is broken or the result is no UTF-8.
-fn percent_decoded(uri: &str) -> Option<String> {
+/// `%20` to a blank and so on (RFC 3986, section 2.1); `None` where a sequence is broken.
+fn percent_decoded(uri: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let [first, after @ ..] = rest {
@@ -163,7 +164,7 @@ fn percent_decoded(uri: &str) -> Option<String> {
             rest = after;
         }
     }
-    String::from_utf8(bytes).ok()
+    Some(bytes)
 }
 
 #[cfg(test)]
@@ -172,10 +173,10 @@ mod tests {
 
     #[test]
     fn percent_sequences_decode() {
-        assert_eq!(percent_decoded("a%20b%C3%A9.bin").as_deref(), Some("a bé.bin"));
+        assert_eq!(percent_decoded("a%20b%C3%A9.bin").as_deref(), Some("a bé.bin".as_bytes()));
         assert_eq!(percent_decoded("a%2"), None);
         assert_eq!(percent_decoded("a%zz"), None);
-        assert_eq!(percent_decoded("%ff"), None);
+        assert_eq!(percent_decoded("%ff").as_deref(), Some(&[255][..]));
     }
 
     #[test]

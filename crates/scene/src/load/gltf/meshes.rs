@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::accessors::Accessors;
 use super::schema::{Int, Primitive, Root};
+use super::skins::Pose;
 use super::{Budget, Fault, get, materials};
 use crate::load::geometry;
 use crate::{MaterialId, Mesh, MeshId, Scene};
@@ -24,18 +25,20 @@ impl<'a> Meshes<'a> {
         Self { root, accessors, known: HashMap::new(), unnamed_material: None }
     }
 
-    /// The primitives of mesh `index` in `scene.meshes`; `weights` are the node's own, in place of the mesh's.
+    /// The primitives of mesh `index` in `scene.meshes`; `weights` are the node's own, in place of the mesh's. With a
+    /// pose they are in world space, else in the node's.
     pub fn read(
         &mut self,
         index: usize,
         weights: Option<&[f32]>,
+        pose: Option<&Pose>,
         budget: &mut Budget,
         scene: &mut Scene,
     ) -> Result<Vec<MeshId>, Fault> {
         let mesh = get(&self.root.meshes, index, "mesh", "a node")?;
         let weights = weights.or(mesh.weights.as_deref()).unwrap_or_default();
         let key = (index, weights.iter().map(|weight| weight.to_bits()).collect());
-        if let Some(known) = self.known.get(&key) {
+        if let (Some(known), None) = (self.known.get(&key), pose) {
             return Ok(known.clone());
         }
         let mut ids = Vec::with_capacity(mesh.primitives.len());
@@ -45,6 +48,9 @@ impl<'a> Meshes<'a> {
             else {
                 continue;
             };
+            if let Some(pose) = pose {
+                pose.apply(primitive, self.accessors, &name, budget, &mut raw)?;
+            }
             let material = match primitive.material {
                 Some(Int(material)) => {
                     get(&scene.materials, material, "material", &name)?;
@@ -61,7 +67,9 @@ impl<'a> Meshes<'a> {
             ids.push(MeshId(scene.meshes.len()));
             scene.meshes.push(finished);
         }
-        self.known.insert(key, ids.clone());
+        if pose.is_none() {
+            self.known.insert(key, ids.clone());
+        }
         Ok(ids)
     }
 

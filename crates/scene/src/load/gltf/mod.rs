@@ -3,9 +3,10 @@
 //! Read with a schema of our own over `serde_json`: every number from the file is checked before it indexes or sizes
 //! anything, damaged files end in one message that names the place, and `KHR_texture_transform` is had on every texture.
 //!
-//! - The default scene, else the first, else all root nodes. A file with meshes but no nodes shows each mesh once.
+//! - The default scene, else the first, else all root nodes. Where no node
+//!   places a mesh, each mesh is shown once.
 //! - Nodes keep their hierarchy; meshes used by several nodes are shared.
-//! - Skinned meshes stand in their bind pose, morph targets have their default weights.
+//! - Skinned meshes are bent once, by the pose in which the nodes stand; morph targets have their default weights.
 //! - Points and lines are left out, alpha blending is opaque, occlusion maps are not used (light is computed).
 //! - Extensions: `KHR_materials_specular`, `KHR_materials_ior`, `KHR_materials_emissive_strength`,
 //!   `KHR_texture_transform`, `KHR_mesh_quantization`. Others are ignored with a warning, or refused where required.
@@ -16,6 +17,7 @@ mod materials;
 mod meshes;
 mod nodes;
 mod schema;
+mod skins;
 
 use glam::Affine3A;
 
@@ -59,11 +61,11 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     materials::read(&root, &buffers, source, budget, &mut scene)?;
     let order = nodes::order(&root)?;
     let mut meshes = Meshes::new(&root, &accessors);
-    nodes::read(&root, &order, source.options, &mut meshes, budget, &mut scene)?;
-    if root.nodes.is_empty() && !root.meshes.is_empty() {
+    nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
+    if !root.meshes.is_empty() && root.nodes.iter().all(|node| node.mesh.is_none()) {
         scene.warnings.push("the file places no mesh: each is shown once, at the origin".to_owned());
         for (index, mesh) in root.meshes.iter().enumerate() {
-            let ids = meshes.read(index, None, budget, &mut scene)?;
+            let ids = meshes.read(index, None, None, budget, &mut scene)?;
             let name = mesh.name.clone().unwrap_or_default();
             scene.nodes.push(Node { name, parent: None, parent_from_node: Affine3A::IDENTITY, meshes: ids });
         }

@@ -2,8 +2,10 @@
 
 use glam::{Affine3A, Mat3, Mat3A, Mat4, Quat, Vec3, Vec3A};
 
+use super::accessors::Accessors;
 use super::meshes::Meshes;
 use super::schema::{CameraEntry, Int, NodeEntry, Root};
+use super::skins::Pose;
 use super::{Budget, Fault, get};
 use crate::error::one_line;
 use crate::load::LoadOptions;
@@ -69,32 +71,60 @@ fn descend(root: &Root, roots: &[usize]) -> Vec<Place> {
     order
 }
 
-/// Adds the nodes, their meshes and their cameras to the scene.
+/// Adds the nodes, their meshes and their cameras to the scene. A skinned mesh does not follow its node (section 3.7.3.3):
+/// it gets a root node of its own.
 pub fn read(
     root: &Root,
     order: &[Place],
     options: &LoadOptions,
+    accessors: &Accessors,
     meshes: &mut Meshes,
     budget: &mut Budget,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
-    budget.take(order.len(), size_of::<Node>() + size_of::<Affine3A>())?;
+    budget.take(order.len(), size_of::<Node>() + 2 * size_of::<Affine3A>())?;
+    let mut local = Vec::with_capacity(order.len());
     let mut world: Vec<Affine3A> = Vec::with_capacity(order.len());
-    for place in order {
-        let entry = &root.nodes[place.node];
-        let label = format!("node {}", place.node);
-        let name = entry.name.as_deref().map(one_line).unwrap_or_default();
-        let parent_from_node = transform(entry, &label)?;
+    let mut place_of: Vec<Option<usize>> = vec![None; root.nodes.len()];
+    for (number, place) in order.iter().enumerate() {
+        let parent_from_node = transform(&root.nodes[place.node], place.node)?;
         let parent = place.parent.map_or(Affine3A::IDENTITY, |parent| world[parent]);
-        let world_from_node = parent * parent_from_node;
-        world.push(world_from_node);
-        let ids = match entry.mesh {
-            Some(Int(mesh)) => meshes.read(mesh, entry.weights.as_deref(), budget, scene)?,
-            None => Vec::new(),
-        };
+        local.push(parent_from_node);
+        world.push(parent * parent_from_node);
+        place_of[place.node] = Some(number);
+    }
+    let mut skinned = Vec::new();
+    for (number, place) in order.iter().enumerate() {
+        let entry = &root.nodes[place.node];
+        let name = entry.name.as_deref().map(one_line).unwrap_or_default();
+        let mut ids = Vec::new();
+        if let Some(Int(mesh)) = entry.mesh {
+            let weights = entry.weights.as_deref();
+            let pose = match entry.skin {
+                Some(Int(skin)) => {
+                    let joint = |node: usize| place_of[node].map(|place| world[place]);
+                    Pose::read(root, accessors, skin, world[number], joint, budget)?
+                }
+                None => None,
+            };
+            if let Some(pose) = pose {
+                let meshes = meshes.read(mesh, weights, Some(&pose), budget, scene)?;
+                let parent_from_node = Affine3A::IDENTITY;
+                skinned.push(Node { name: name.clone(), parent: None, parent_from_node, meshes });
+            } else {
+                if entry.skin.is_some() {
+                    scene.warnings.push(format!(
+                        "node {}: joints are not in the scene, its skin is ignored",
+                        place.node
+                    ));
+                }
+                ids = meshes.read(mesh, weights, None, budget, scene)?;
+            }
+        }
         if let Some(Int(camera)) = entry.camera {
+            let label = format!("node {}", place.node);
             let entry = get(&root.cameras, camera, "camera", &label)?;
-            match rigid(world_from_node) {
+            match rigid(world[number]) {
                 Some(world_from_camera) => {
                     let projection = projection(entry, camera, options)?;
                     let own = entry.name.as_deref().map(one_line).filter(|own| !own.is_empty());
@@ -106,15 +136,15 @@ pub fn read(
                     .push(format!("the camera of {label} has a collapsed transform and is left out")),
             }
         }
-        scene.nodes.push(Node { name, parent: place.parent.map(NodeId), parent_from_node, meshes: ids });
+        let parent = place.parent.map(NodeId);
+        scene.nodes.push(Node { name, parent, parent_from_node: local[number], meshes: ids });
     }
-    if order.iter().any(|place| root.nodes[place.node].skin.is_some()) {
-        scene.warnings.push("skinned meshes are shown in their bind pose".to_owned());
-    }
+    scene.nodes.extend(skinned);
     Ok(())
 }
 
-fn transform(node: &NodeEntry, label: &str) -> Result<Affine3A, Fault> {
+fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
+    let label = format!("node {index}");
     let affine = match node.matrix {
         Some(matrix) => {
             let matrix = Mat4::from_cols_array(&matrix);

@@ -64,6 +64,8 @@ pub struct Root {
     #[serde(default)]
     pub cameras: Vec<CameraEntry>,
     #[serde(default)]
+    pub skins: Vec<Skin>,
+    #[serde(default)]
     pub extensions_used: Vec<String>,
     #[serde(default)]
     pub extensions_required: Vec<String>,
@@ -294,6 +296,13 @@ pub struct Sampler {
     pub mag_filter: Option<Int>,
     pub wrap_s: Option<Int>,
     pub wrap_t: Option<Int>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Skin {
+    pub joints: Vec<Int>,
+    pub inverse_bind_matrices: Option<Int>,
 }
 
 #[derive(Debug, Deserialize)]

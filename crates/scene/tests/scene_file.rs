@@ -1,0 +1,105 @@
+//! The TOML scene file.
+
+use std::path::Path;
+
+use glam::Vec3;
+use gnomon_scene::{
+    Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, SceneError, load,
+};
+
+fn attempt(text: &str) -> Result<LoadedScene, SceneError> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("triangle.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(folder.path().join("other.toml"), "ground = \"none\"\n").unwrap();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    load(&path, &LoadOptions::default())
+}
+
+#[test]
+fn the_sample_scene_is_what_its_comments_say() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sample.toml");
+    let loaded = load(&path, &LoadOptions::default()).unwrap();
+    assert_eq!(loaded.scene.triangle_count(), 38 + 440);
+    let camera: Camera = "eye=4.5,3,6.5;target=0,0.9,0;fov=40".parse().unwrap();
+    assert_eq!(loaded.scene.camera(None).unwrap(), &camera);
+    assert_eq!(loaded.ground, Ground::None);
+    let expected = EnvironmentSettings {
+        source: EnvironmentSource::Builtin("sky".to_owned()),
+        rotation_degrees: 30.0,
+        exposure_ev: 0.0,
+    };
+    assert_eq!(loaded.environment, Some(expected));
+    let clay = loaded.scene.materials.iter().position(|material| material.name == "clay").unwrap();
+    let column = loaded.scene.nodes.iter().position(|node| node.name == "small column").unwrap();
+    let under = loaded.scene.nodes.iter().filter(|node| node.parent.is_some_and(|parent| parent.0 == column));
+    let meshes: Vec<_> = under.flat_map(|node| &node.meshes).collect();
+    assert_eq!(meshes.len(), 2);
+    assert!(meshes.iter().all(|mesh| loaded.scene.meshes[mesh.0].material.unwrap().0 == clay));
+}
+
+#[test]
+fn models_are_scaled_then_turned_about_x_y_z_then_moved() {
+    let loaded = attempt(
+        "[[model]]\nfile = \"triangle.obj\"\nscale = [2, 3, 1]\nrotation = [0, 90, 90]\ntranslation = [10, 0, 0]\n",
+    )
+    .unwrap();
+    let (_, world) = loaded.scene.instances()[0];
+    // x: scaled to (2,0,0), about y by 90 degrees to (0,0,-2), about z stays.
+    assert!((world.transform_point3(Vec3::X) - Vec3::new(10.0, 0.0, -2.0)).length() < 1e-5);
+    // y: (0,3,0), about z by 90 degrees to (-3,0,0).
+    assert!((world.transform_point3(Vec3::Y) - Vec3::new(7.0, 0.0, 0.0)).length() < 1e-5);
+}
+
+#[test]
+fn cameras_and_materials_of_models_come_along() {
+    let loaded = attempt(
+        "ground = \"plane\"\n[[model]]\nfile = \"triangle.obj\"\n[[model]]\nbuiltin = \"column\"\ntranslation = [0, 1, 0]\nscale = 2\n",
+    )
+    .unwrap();
+    assert_eq!(loaded.ground, Ground::Plane);
+    assert_eq!(loaded.scene.triangle_count(), 441);
+    assert_eq!(loaded.scene.ground, None, "a model's own ground is part of the model here");
+    let camera = loaded.scene.camera(None).unwrap();
+    assert!((camera.eye() - Vec3::new(7.2, 6.4, 10.4)).length() < 1e-4, "{}", camera.eye());
+    assert!((camera.world_from_camera.determinant() - 1.0).abs() < 1e-5, "the scale stays out of it");
+    let names: Vec<&str> = loaded.scene.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert!(names.contains(&"triangle") && names.contains(&"column"), "{names:?}");
+}
+
+#[test]
+fn mistakes_are_named_with_their_line() {
+    for (text, reason) in [
+        ("\ngruond = \"plane\"\n", "line 2: unknown field `gruond`"),
+        ("ground = \"lawn\"\n", "line 1: unknown variant `lawn`"),
+        ("[[model]]\nfile = \"triangle.obj\"\nscael = 2\n", "line 3: unknown field `scael`"),
+        ("[[model]]\nscale = 2\n", "line 1: a model has either"),
+        ("[[model]]\nfile = \"a.obj\"\nbuiltin = \"column\"\n", "line 1: a model has either"),
+        ("[[model]]\nbuiltin = \"cube\"\n", "line 1: there is no built-in scene 'cube'"),
+        ("[[model]]\nfile = \"triangle.obj\"\nscale = 0\n", "line 1: scale must not be 0"),
+        ("[[model]]\nfile = \"triangle.obj\"\nscale = \"big\"\n", "line 3: "),
+        ("[[model]]\nfile = \"triangle.obj\"\ntranslation = [nan, 0, 0]\n", "must be finite"),
+        ("[[model]]\nfile = \"triangle.obj\"\nmaterial = \"clay\"\n", "no [material.clay]"),
+        ("[[model]]\nfile = \"other.toml\"\n", "cannot place another scene file"),
+        ("[[model]]\nfile = \"scene.toml\"\n", "cannot place another scene file"),
+        ("[[model]]\nfile = \"absent.obj\"\n", "absent.obj: "),
+        ("[camera]\neye = [1, 2, 3]\ntarget = [0, 0, 0]\n", "line 1: missing field `fov`"),
+        (
+            "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\nfov = 40\n",
+            "line 1: eye and target are the same point",
+        ),
+        ("[environment]\nrotation = 3\n", "line 1: an environment has either"),
+        ("[material.a]\nroughness = 2\n", "line 1: roughness of material 'a' must be 0 to 1"),
+        ("ground = \n", "line 1: "),
+    ] {
+        let error = attempt(text).unwrap_err().to_string();
+        assert!(error.contains(reason) && !error.contains('\n'), "{text:?}: {error}");
+    }
+    let not_text = {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, [0xff, 0xfe]).unwrap();
+        load(&path, &LoadOptions::default()).unwrap_err().to_string()
+    };
+    assert!(not_text.contains("UTF-8"));
+}
