@@ -42,7 +42,7 @@ pub(crate) trait Patches: Sync {
     /// Solid angle of a texel [sr]; all together have 4 pi. A texel of 0 is not part of the map.
     fn solid_angle(&self, texel: usize) -> f64;
     /// Calls `take` with the corners (unit, in turn) of each patch of a texel. Neighbours share corners.
-    fn patches(&self, texel: usize, take: &mut dyn FnMut([DVec3; 4]));
+    fn patches(&self, texel: usize, take: impl FnMut([DVec3; 4]));
 }
 
 /// Texels of an equirect map.
@@ -88,7 +88,7 @@ impl Patches for EquirectGrid {
         self.angles[texel / self.width]
     }
 
-    fn patches(&self, texel: usize, take: &mut dyn FnMut([DVec3; 4])) {
+    fn patches(&self, texel: usize, mut take: impl FnMut([DVec3; 4])) {
         let (x, y) = (texel % self.width, texel / self.width);
         let corner = |x: usize, y: usize| {
             let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (self.phi[x], self.theta[y]);

@@ -3,11 +3,14 @@
 //! [`Equirect`] is the one form the rest of the project uses; every other projection is resampled into it with its
 //! flux preserved. Axes, seam and sample positions are fixed in `CONVENTIONS.md`.
 
+pub mod builtin;
 mod cube;
 mod equirect;
+mod fft;
 mod grid;
 mod load;
 mod overlap;
+mod prefilter;
 mod projection;
 mod resample;
 mod sh;
@@ -16,5 +19,6 @@ mod transfer;
 pub use cube::CubeMap;
 pub use equirect::Equirect;
 pub use load::{CleanReport, EnvMapError, Environment, from_picture, load};
+pub use prefilter::PrefilteredMap;
 pub use projection::Projection;
 pub use sh::{Sh9, sh9_basis};

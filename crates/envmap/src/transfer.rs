@@ -5,7 +5,7 @@ use crate::grid::{CubeGrid, Patches};
 use crate::overlap::overlaps;
 
 /// Largest relative error of a texel's covered solid angle, that is, of a constant map.
-const COVERAGE_TOLERANCE: f64 = 1e-4;
+const COVERAGE_TOLERANCE: f64 = 4e-4;
 /// Rounds of balancing after which the remaining coverage error is accepted.
 const MAX_ROUNDS: usize = 20;
 /// Texels that one task handles.
@@ -33,7 +33,7 @@ impl Transfer {
             let mut rows = Sparse { starts: vec![0], entries: Vec::with_capacity(2 * CHUNK) };
             for texel in task * CHUNK..((task + 1) * CHUNK).min(count) {
                 let first = rows.entries.len();
-                map.patches(texel, &mut |patch| {
+                map.patches(texel, |patch| {
                     overlaps(patch, cube, |other, overlap| rows.add(first, other, overlap));
                 });
                 rows.starts.push(rows.entries.len() as u32);

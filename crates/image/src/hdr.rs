@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::error::DecodeError;
 use crate::file::Decoded;
+use crate::picture::rec709_from_xyz;
 use crate::{MAX_TEXELS, RgbImage};
 
 const FORMAT: &str = "Radiance";
@@ -14,13 +15,6 @@ const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 /// Texels that one byte of file can stand for at most. A run of the newer code holds 127 texels in 8 bytes; the older one
 /// has no bound, but no sensible picture exceeds this.
 const MAX_TEXELS_PER_BYTE: u64 = 1024;
-
-/// CIE XYZ to linear Rec. 709 (D65), the inverse of IEC 61966-2-1 equation 7: columns X, Y, Z.
-const REC709_FROM_XYZ: [Vec3; 3] = [
-    Vec3::new(3.240_97, -0.969_243_6, 0.055_630_08),
-    Vec3::new(-1.537_383_2, 1.875_967_5, -0.203_976_96),
-    Vec3::new(-0.498_610_76, 0.041_555_06, 1.056_971_5),
-];
 
 fn malformed(reason: impl Into<String>) -> DecodeError {
     DecodeError::malformed(FORMAT, reason)
@@ -172,9 +166,8 @@ impl Header {
         let mantissa = |index: usize| ((f64::from(rgbe[index]) * scale).min(f64::from(f32::MAX))) as f32;
         let color = Vec3::new(mantissa(0), mantissa(1), mantissa(2));
         if self.xyz {
-            let [x, y, z] = REC709_FROM_XYZ;
             let limit = Vec3::splat(f32::MAX);
-            (x * color.x + y * color.y + z * color.z).clamp(-limit, limit)
+            rec709_from_xyz(color).clamp(-limit, limit)
         } else {
             color
         }

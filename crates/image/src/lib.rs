@@ -14,7 +14,7 @@ pub mod tonemap;
 
 pub use error::{DecodeError, ImageError};
 pub use file::{Decoded, EnvironmentAttribute, Format, Mask, decode, formats, read, read_mask, write};
-pub use picture::{LUMINANCE, RgbImage};
+pub use picture::{LUMINANCE, RgbImage, rec709_from_xyz};
 pub use tonemap::ToneMapping;
 
 /// Largest picture that is read, in texels: 16384 x 8192. It takes 1.5 GiB in memory.

@@ -3,6 +3,13 @@ use glam::Vec3;
 /// Rec. 709 luminance weights of linear RGB (ITU-R BT.709-6, section 3).
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
+/// CIE XYZ to linear Rec. 709 (D65): the inverse of IEC 61966-2-1, equation 7. Colours out of gamut come out negative.
+pub fn rec709_from_xyz(xyz: Vec3) -> Vec3 {
+    Vec3::new(3.240_97, -0.969_243_6, 0.055_630_08) * xyz.x
+        + Vec3::new(-1.537_383_2, 1.875_967_5, -0.203_976_96) * xyz.y
+        + Vec3::new(-0.498_610_76, 0.041_555_06, 1.056_971_5) * xyz.z
+}
+
 /// A picture of linear Rec. 709 radiance: row-major, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RgbImage {

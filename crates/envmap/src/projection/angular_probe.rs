@@ -115,7 +115,7 @@ impl Patches for ProbeGrid {
         self.angles[texel]
     }
 
-    fn patches(&self, texel: usize, take: &mut dyn FnMut([DVec3; 4])) {
+    fn patches(&self, texel: usize, mut take: impl FnMut([DVec3; 4])) {
         for part in 0..PARTS * PARTS {
             if self.position(texel, part, DVec2::splat(0.5)).length() < 1.0 {
                 let corner = |x: f64, y: f64| self.direction(self.position(texel, part, DVec2::new(x, y)));
