@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(bounds.max.y, 4.0);
         assert!((bounds.center() - Vec3::new(1.5, 3.0, 3.5)).length() < 1e-5);
         // The footprint's radius is half of sqrt 2.
-        assert!((bounds.max.x - bounds.min.x - 8.0 * 0.707_106_8).abs() < 1e-4);
+        assert!((bounds.max.x - bounds.min.x - 8.0 * std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-4);
         let up = crate::load::triangle_normal(
             scene.meshes[1].triangles[0].map(|i| scene.meshes[1].positions[i as usize]),
         );

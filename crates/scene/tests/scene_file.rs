@@ -1,4 +1,5 @@
 //! The TOML scene file.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
 use std::path::Path;
 

@@ -291,7 +291,7 @@ impl Values<'_> {
         if self.encoding == Encoding::Big {
             word.reverse();
         }
-        Ok(scalar.from_little_endian(word))
+        Ok(scalar.decode(word))
     }
 
     fn count(&mut self, count_type: Scalar, item: Scalar) -> Result<usize, Fault> {

@@ -43,8 +43,7 @@ pub fn generated(mut mesh: Mesh, set: usize) -> Mesh {
     let mut taken: Vec<Option<bool>> = vec![None; mesh.positions.len()];
     let mut doubles: HashMap<u32, u32> = HashMap::new();
     let mut tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); mesh.positions.len()];
-    for t in 0..mesh.triangles.len() {
-        let upright = uprights[t];
+    for (t, upright) in uprights.into_iter().enumerate() {
         for corner in 0..3 {
             let index = mesh.triangles[t][corner];
             let sum = sums.get(&key(&mesh, index, upright)).copied().unwrap_or_default();

@@ -25,25 +25,25 @@ pub fn split<'a>(bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<(&'a [u8
         warnings
             .push(format!("{} bytes after the end of the GLB are ignored", bytes.len() - length as usize));
     }
-    let (kind, json, mut rest) = chunk(contents)?;
-    if kind != *b"JSON" {
+    let (json, mut rest) = chunk(contents)?;
+    if json.kind != *b"JSON" {
         return Err(Fault::invalid("the GLB's first chunk is not JSON"));
     }
     // Unknown chunks are to be ignored; the binary one comes second.
     let mut binary = None;
     let mut number = 1;
     while !rest.is_empty() {
-        let (kind, data, after) = chunk(rest)?;
-        if kind == *b"BIN\0" {
+        let (chunk, after) = chunk(rest)?;
+        if chunk.kind == *b"BIN\0" {
             if number != 1 {
                 return Err(Fault::invalid("the GLB's binary chunk is not its second"));
             }
-            binary = Some(data);
+            binary = Some(chunk.data);
         }
         rest = after;
         number += 1;
     }
-    Ok((json, binary))
+    Ok((json.data, binary))
 }
 
 /// A little-endian word and what follows it.
@@ -51,13 +51,18 @@ fn word(bytes: &[u8]) -> Option<(u32, &[u8])> {
     bytes.split_first_chunk().map(|(word, rest)| (u32::from_le_bytes(*word), rest))
 }
 
-/// Kind and data of the first chunk, and what follows it.
-fn chunk(bytes: &[u8]) -> Result<([u8; 4], &[u8], &[u8]), Fault> {
+struct Chunk<'a> {
+    kind: [u8; 4],
+    data: &'a [u8],
+}
+
+/// The first chunk, and what follows it.
+fn chunk(bytes: &[u8]) -> Result<(Chunk<'_>, &[u8]), Fault> {
     let truncated = || Fault::invalid("a chunk of the GLB is cut off");
     let (length, rest) = word(bytes).ok_or_else(truncated)?;
     let (kind, rest) = rest.split_first_chunk().ok_or_else(truncated)?;
     let (data, rest) = rest.split_at_checked(length as usize).ok_or_else(truncated)?;
-    Ok((*kind, data, rest))
+    Ok((Chunk { kind: *kind, data }, rest))
 }
 
 /// The file's buffers; `None` where one is declared without data (an extension's fallback).

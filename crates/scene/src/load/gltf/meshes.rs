@@ -152,7 +152,7 @@ impl<'a> Meshes<'a> {
             )));
         }
         budget.take(indices.len(), geometry::TRIANGLE_BYTES)?;
-        let windows = indices.windows(3).enumerate();
+        let windows = indices.windows(3);
         // Section 3.7.2.1, the order of vertices for each mode.
         Ok(match mode {
             4 => {
@@ -163,9 +163,10 @@ impl<'a> Meshes<'a> {
                 indices.chunks_exact(3).map(|corner| [corner[0], corner[1], corner[2]]).collect()
             }
             5 => windows
+                .enumerate()
                 .map(|(i, v)| if i % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] })
                 .collect(),
-            _ => windows.map(|(_, v)| [v[1], v[2], indices[0]]).collect(),
+            _ => windows.map(|v| [v[1], v[2], indices[0]]).collect(),
         })
     }
 }

@@ -3,8 +3,8 @@
 //! Read with a schema of our own over `serde_json`: every number from the file is checked before it indexes or sizes
 //! anything, damaged files end in one message that names the place, and `KHR_texture_transform` is had on every texture.
 //!
-//! - The default scene, else the first, else all root nodes. Where no node
-//!   places a mesh, each mesh is shown once.
+//! - The default scene, else the first, else all root nodes. A file with meshes
+//!   but no nodes shows each mesh once; one whose nodes place no mesh is empty.
 //! - Nodes keep their hierarchy; meshes used by several nodes are shared.
 //! - Skinned meshes are bent once, by the pose in which the nodes stand; morph targets have their default weights.
 //! - Points and lines are left out, alpha blending is opaque, occlusion maps are not used (light is computed).
@@ -62,8 +62,8 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     let order = nodes::order(&root)?;
     let mut meshes = Meshes::new(&root, &accessors);
     nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
-    if !root.meshes.is_empty() && root.nodes.iter().all(|node| node.mesh.is_none()) {
-        scene.warnings.push("the file places no mesh: each is shown once, at the origin".to_owned());
+    if !root.meshes.is_empty() && root.nodes.is_empty() {
+        scene.warnings.push("the file has no nodes: each mesh is shown once, at the origin".to_owned());
         for (index, mesh) in root.meshes.iter().enumerate() {
             let ids = meshes.read(index, None, None, budget, &mut scene)?;
             let name = mesh.name.clone().unwrap_or_default();

@@ -1,6 +1,6 @@
 //! Skins (specification, section 3.7.3): meshes bent by the pose in which the file's nodes stand.
 
-use glam::{Affine3A, Mat3A, Mat4, Vec3};
+use glam::{Affine3A, Mat4, Vec3};
 
 use super::accessors::Accessors;
 use super::schema::{Int, Primitive, Root};
@@ -90,7 +90,7 @@ impl Pose {
         for (vertex, (sum, total)) in sums.into_iter().enumerate() {
             let affine = if total > 0.0 {
                 let scale = 1.0 / total;
-                Affine3A { matrix3: Mat3A::from(sum.matrix3) * scale, translation: sum.translation * scale }
+                Affine3A { matrix3: sum.matrix3 * scale, translation: sum.translation * scale }
             } else {
                 self.world_from_node
             };

@@ -62,7 +62,7 @@ impl Scalar {
     }
 
     /// The number in `size()` bytes, least significant first.
-    pub fn from_little_endian(self, bytes: &[u8]) -> f64 {
+    pub fn decode(self, bytes: &[u8]) -> f64 {
         let mut word = [0; 8];
         for (to, from) in word.iter_mut().zip(bytes) {
             *to = *from;
