@@ -18,6 +18,16 @@ pub enum FitError {
     /// A count outside the allowed range.
     #[error("light count {0} is out of range: give 1 to {max}", max = crate::fit::MAX_LIGHTS)]
     LightCount(usize),
+    /// Fewer lights than the fit can do with.
+    #[error("{given} lights are too few for {method}, which cover the whole sphere: give at least {least}")]
+    TooFewLights {
+        /// Fit that was asked.
+        method: &'static str,
+        /// What was asked for.
+        given: usize,
+        /// The fewest that work.
+        least: usize,
+    },
     /// A threshold outside (0, 1).
     #[error("threshold {0} is out of range: give a number above 0 and below 1")]
     Threshold(f32),

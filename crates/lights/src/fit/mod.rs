@@ -4,7 +4,11 @@
 
 mod disks;
 mod error;
+mod faces;
+mod growth;
 mod options;
+mod partition;
+mod rectangles;
 mod sphere_grid;
 
 use gnomon_envmap::Equirect;
@@ -13,6 +17,7 @@ use serde_json::{Map, Value};
 pub use disks::Disks;
 pub use error::FitError;
 pub use options::{FitOptions, MAX_LIGHTS};
+pub use rectangles::{Outline, Rectangles};
 
 use crate::LightSet;
 
@@ -49,7 +54,11 @@ impl Method {
 
 /// Every fit there is.
 pub fn methods() -> &'static [Method] {
-    &[Method { name: "disks", summary: disks::SUMMARY, build: disks::build }]
+    &[
+        Method { name: "disks", summary: disks::SUMMARY, build: disks::build },
+        Method { name: "squares", summary: rectangles::SUMMARY_SQUARES, build: rectangles::build_squares },
+        Method { name: "rectangles", summary: rectangles::SUMMARY, build: rectangles::build_rectangles },
+    ]
 }
 
 /// The fit called `name`, with the given options.
@@ -73,6 +82,9 @@ mod tests {
     #[test]
     fn an_unknown_name_lists_the_known_ones() {
         let message = by_name("cubes", &FitOptions::default()).err().unwrap().to_string();
-        assert!(message.contains("cubes") && message.contains("disks"), "{message}");
+        assert!(
+            message.contains("cubes") && message.contains("disks") && message.contains("squares"),
+            "{message}"
+        );
     }
 }

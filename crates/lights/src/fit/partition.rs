@@ -1,0 +1,168 @@
+use super::faces::{Faces, TexelRect, luminance};
+use super::rectangles::Outline;
+
+/// Errors of flux below this share of a face's flux come from resampling in single precision.
+const ROUNDING: f64 = 1e-5;
+
+/// A rectangle of a face that becomes one uniform light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) face: usize,
+    pub(super) rect: TexelRect,
+}
+
+/// Divides what is left on all faces into `count` rectangles (squares: at most so many) by the cuts that most reduce
+/// the [`discrepancy`], and further until none is wider than `max_extent` [rad]. Black faces get none.
+pub(super) fn partition(faces: &Faces, outline: Outline, count: usize, max_extent: f64) -> Vec<Cell> {
+    let sums: Vec<FaceSums> = (0..6).map(|face| FaceSums::new(faces, face)).collect();
+    let too_wide = |cell: &Cell| faces.extent(cell.rect).into_iter().any(|angle| angle > max_extent);
+    let planned = |cell: Cell| (cell, sums[cell.face].best_cut(cell.rect, outline));
+    let mut cells: Vec<(Cell, Option<Cut>)> = (0..6)
+        .filter(|face| faces.flux[*face].iter().any(|flux| luminance(*flux) > 0.0))
+        .map(|face| planned(Cell { face, rect: TexelRect::face(faces.size) }))
+        .collect();
+    loop {
+        let room = count.saturating_sub(cells.len());
+        let next = cells
+            .iter()
+            .enumerate()
+            .filter_map(|(index, (cell, cut))| {
+                let cut = (*cut).as_ref()?;
+                // Too wide goes first, whatever the count.
+                let priority = if too_wide(cell) { f64::INFINITY } else { cut.gain };
+                let allowed = priority.is_infinite() || (cut.helps && cut.parts.len() - 1 <= room);
+                allowed.then_some((priority, index))
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let Some((_, index)) = next else { break };
+        let (cell, cut) = cells.remove(index);
+        let parts = cut.map(|cut| cut.parts).unwrap_or_default();
+        cells.extend(parts.into_iter().map(|rect| planned(Cell { face: cell.face, rect })));
+    }
+    cells.into_iter().map(|(cell, _)| cell).collect()
+}
+
+/// A cut of a cell into smaller ones.
+struct Cut {
+    /// How much it reduces the discrepancy, for each light that it adds.
+    gain: f64,
+    /// Whether there is any discrepancy to reduce, beyond rounding.
+    helps: bool,
+    parts: Vec<TexelRect>,
+}
+
+/// Luminous flux and solid angle of any rectangle of one face, by summed-area tables.
+struct FaceSums {
+    size: usize,
+    /// `(size + 1)^2` sums over all texels above and to the left: flux, solid angle.
+    table: Vec<[f64; 2]>,
+}
+
+impl FaceSums {
+    fn new(faces: &Faces, face: usize) -> Self {
+        let (size, stride) = (faces.size, faces.size + 1);
+        let mut table = vec![[0.0; 2]; stride * stride];
+        for y in 0..size {
+            let mut row = [0.0; 2];
+            for x in 0..size {
+                let texel = y * size + x;
+                row[0] += luminance(faces.flux[face][texel]);
+                row[1] += faces.solid_angle[texel];
+                let above = table[y * stride + x + 1];
+                table[(y + 1) * stride + x + 1] = [above[0] + row[0], above[1] + row[1]];
+            }
+        }
+        Self { size, table }
+    }
+
+    fn sum(&self, rect: TexelRect) -> [f64; 2] {
+        let at = |x: usize, y: usize| self.table[y * (self.size + 1) + x];
+        let ([x0, y0], [x1, y1]) = (rect.min, rect.max);
+        [0, 1].map(|i| at(x1, y1)[i] - at(x0, y1)[i] - at(x1, y0)[i] + at(x0, y0)[i])
+    }
+
+    /// How badly one uniform light stands for a rectangle: over all straight cuts along its two axes, the sum of the
+    /// squared error of the flux on one side. That is what an occluder's edge across the light does to irradiance.
+    fn discrepancy(&self, rect: TexelRect) -> f64 {
+        let [flux, solid_angle] = self.sum(rect);
+        let mean = flux / solid_angle;
+        (0..2)
+            .flat_map(|axis| (rect.min[axis] + 1..rect.max[axis]).map(move |at| (axis, at)))
+            .map(|(axis, at)| {
+                let [flux, solid_angle] = self.sum(rect.split(axis, at)[0]);
+                (flux - mean * solid_angle).powi(2)
+            })
+            .sum()
+    }
+
+    fn best_cut(&self, rect: TexelRect, outline: Outline) -> Option<Cut> {
+        let whole = self.discrepancy(rect);
+        let [flux, _] = self.sum(TexelRect::face(self.size));
+        let helps = whole > (ROUNDING * flux).powi(2);
+        let cut = |parts: Vec<TexelRect>| {
+            let rest: f64 = parts.iter().map(|part| self.discrepancy(*part)).sum();
+            Cut { gain: (whole - rest) / (parts.len() - 1) as f64, helps, parts }
+        };
+        match outline {
+            Outline::Rectangle => (0..2)
+                .flat_map(|axis| (rect.min[axis] + 1..rect.max[axis]).map(move |at| (axis, at)))
+                .map(|(axis, at)| cut(rect.split(axis, at).to_vec()))
+                .max_by(|a, b| a.gain.total_cmp(&b.gain)),
+            Outline::Square => {
+                let middle = [0, 1].map(|axis| rect.min[axis].midpoint(rect.max[axis]));
+                (middle[0] > rect.min[0]).then(|| {
+                    let halves = rect.split(0, middle[0]);
+                    cut(halves.into_iter().flat_map(|half| half.split(1, middle[1])).collect())
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use gnomon_envmap::Equirect;
+    use gnomon_image::RgbImage;
+
+    use super::*;
+
+    fn faces(f: impl FnMut(u32, u32) -> Vec3) -> Faces {
+        Faces::new(&Equirect::new(RgbImage::from_fn(256, 128, f)), 32)
+    }
+
+    fn covered(cells: &[Cell], faces: &Faces) -> usize {
+        cells.iter().map(|cell| cell.rect.texels(faces.size).count()).sum()
+    }
+
+    #[test]
+    fn cells_tile_every_lit_face_and_meet_the_count() {
+        let faces = faces(|x, y| Vec3::splat(1.0 + ((x * 7 + y * 13) % 11) as f32));
+        for count in [6, 7, 20, 61] {
+            let cells = partition(&faces, Outline::Rectangle, count, 9.0);
+            assert_eq!((cells.len(), covered(&cells, &faces)), (count, 6 * 32 * 32));
+            let squares = partition(&faces, Outline::Square, count, 9.0);
+            assert!(squares.len() <= count && squares.len() + 3 > count);
+            assert!(squares.iter().all(|c| c.rect.max[0] - c.rect.min[0] == c.rect.max[1] - c.rect.min[1]));
+        }
+    }
+
+    #[test]
+    fn a_cut_falls_where_the_radiance_changes() {
+        // Bright above the horizon: every side face is best cut in the middle of its height.
+        let faces = faces(|_, y| Vec3::splat(if y < 64 { 10.0 } else { 1.0 }));
+        let cells = partition(&faces, Outline::Rectangle, 10, 9.0);
+        let halves = cells.iter().filter(|cell| cell.rect.max[1] - cell.rect.min[1] == 16).count();
+        assert_eq!(halves, 8);
+    }
+
+    #[test]
+    fn a_largest_extent_overrules_the_count() {
+        let faces = faces(|_, _| Vec3::ONE);
+        for outline in [Outline::Rectangle, Outline::Square] {
+            let cells = partition(&faces, outline, 6, 0.9);
+            assert!(cells.iter().all(|cell| faces.extent(cell.rect).into_iter().all(|angle| angle <= 0.9)));
+            assert_eq!(covered(&cells, &faces), 6 * 32 * 32);
+        }
+    }
+}
