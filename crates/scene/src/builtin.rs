@@ -15,6 +15,19 @@ pub const NAMES: [&str; 2] = ["three-boxes", "column"];
 /// # Errors
 /// [`SceneError::Request`] naming the scenes that exist.
 pub fn by_name(name: &str) -> Result<Scene, SceneError> {
+    let mut scene = without_ground(name)?;
+    let material = Material { name: "ground".to_owned(), double_sided: true, ..Material::default() };
+    scene.materials.push(material);
+    let material = Some(MaterialId(scene.materials.len() - 1));
+    scene.ground = Some(scene.push_mesh("ground", Mesh { material, ..square(Vec3::ZERO, GROUND_HALF_SIDE) }));
+    Ok(scene)
+}
+
+/// Half the side of the ground [m].
+const GROUND_HALF_SIDE: f32 = 4.0;
+
+/// The built-in scene's models and camera alone, to be placed in another scene.
+pub(crate) fn without_ground(name: &str) -> Result<Scene, SceneError> {
     match name {
         "three-boxes" => Ok(three_boxes()),
         "column" => Ok(column()),
@@ -28,8 +41,8 @@ pub fn by_name(name: &str) -> Result<Scene, SceneError> {
     }
 }
 
-/// Three boxes on a square ground, 38 triangles, Lambert 0.5, flat: a scene of the size that Arbree et al. (2005) use.
-pub fn three_boxes() -> Scene {
+/// Three boxes, 38 triangles with their ground, Lambert 0.5, flat: a scene of the size that Arbree et al. (2005) use.
+fn three_boxes() -> Scene {
     let mut boxes = FlatMesh::default();
     // Footprint's centre (x, z), side, height [m], turn about +y [rad].
     for (x, z, side, height, turn) in
@@ -38,7 +51,7 @@ pub fn three_boxes() -> Scene {
         boxes.cuboid(Vec3::new(x, 0.0, z), Vec3::new(side, height, side), turn);
     }
     let camera = Camera::look_at(Vec3::new(3.2, 2.6, 4.2), Vec3::new(0.0, 0.5, 0.0), 40_f32.to_radians());
-    on_ground("boxes", boxes.0, camera)
+    matte("boxes", boxes.0, camera)
 }
 
 /// A round column with plinth, moulded base, swelling shaft, moulded capital and abacus, 440 triangles with its ground,
@@ -46,7 +59,7 @@ pub fn three_boxes() -> Scene {
 ///
 /// The solids are closed. Flat faces have flat normals; the turned part is smooth around its axis and creased along
 /// its profile.
-pub fn column() -> Scene {
+fn column() -> Scene {
     /// Radius and height [m] of the turned part, from the bottom.
     const PROFILE: [(f32, f32); 11] = [
         (0.44, 0.20),
@@ -67,17 +80,15 @@ pub fn column() -> Scene {
     mesh.cuboid(Vec3::new(0.0, 2.56, 0.0), Vec3::new(1.0, 0.16, 1.0), 0.0);
     mesh.turned(&PROFILE, SIDES);
     let camera = Camera::look_at(Vec3::new(3.6, 2.7, 5.2), Vec3::new(0.0, 1.15, 0.0), 42_f32.to_radians());
-    on_ground("column", mesh.0, camera)
+    matte("column", mesh.0, camera)
 }
 
-/// One mesh on a ground of 8 x 8 m, both matte and seen from both sides.
-fn on_ground(name: &str, mesh: Mesh, mut camera: Camera) -> Scene {
+/// One mesh, matte and seen from both sides, and a camera.
+fn matte(name: &str, mesh: Mesh, mut camera: Camera) -> Scene {
     camera.name = "camera".to_owned();
     let mut scene = Scene { cameras: vec![camera], ..Scene::default() };
     scene.materials.push(Material { name: name.to_owned(), double_sided: true, ..Material::default() });
-    let material = Some(MaterialId(0));
-    scene.ground = Some(scene.push_mesh("ground", Mesh { material, ..square(Vec3::ZERO, 4.0) }));
-    scene.push_mesh(name, Mesh { material, ..mesh });
+    scene.push_mesh(name, Mesh { material: Some(MaterialId(0)), ..mesh });
     scene
 }
 
@@ -189,7 +200,7 @@ mod tests {
     #[test]
     fn solids_are_closed_and_face_outwards() {
         for scene in NAMES.map(|name| by_name(name).unwrap()) {
-            let mesh = &scene.meshes[1];
+            let mesh = &scene.meshes[0];
             let key = |i: u32| mesh.positions[i as usize].to_array().map(|x| (x * 1e4).round() as i64);
             let mut edges: HashMap<_, i32> = HashMap::new();
             let mut volume = 0.0;

@@ -93,6 +93,7 @@ pub(crate) fn one_line(text: &str) -> String {
     let mut line = String::new();
     for word in text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty()) {
         if line.len() + word.len() > LONGEST {
+            line.push(' ');
             line.extend(word.chars().take(LONGEST.saturating_sub(line.len())));
             line.push_str("...");
             break;
@@ -103,4 +104,16 @@ pub(crate) fn one_line(text: &str) -> String {
         line.push_str(word);
     }
     line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quoted_text_becomes_one_bounded_line() {
+        assert_eq!(one_line("a\n  b\t\u{1b}[31mc "), "a b [31mc");
+        assert!(one_line(&format!("see {}", "9".repeat(10_000))).len() < 320);
+        assert!(one_line(&"\u{e9} ".repeat(10_000)).len() < 320);
+    }
 }

@@ -175,7 +175,7 @@ impl Scene {
     }
 
     /// Adds everything of `other` under a new node `root`, which has no meshes. Cameras follow `root`'s transform, without
-    /// its scale; a ground of `other` becomes an ordinary node.
+    /// its scale. A ground of `other` is then a node like any other.
     pub fn append(&mut self, other: Self, root: Node) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
         let (textures, first) = (self.textures.len(), self.nodes.len() + 1);

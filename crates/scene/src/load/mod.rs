@@ -1,5 +1,6 @@
 //! Files to [`LoadedScene`]. One file a format; a new one is registered in [`FORMATS`].
 
+use std::collections::HashSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -156,8 +157,21 @@ fn load_within(
             .warnings
             .push(format!("the file is named like {} but holds {}", named.name, format.name));
     }
+    tidy(&mut loaded.scene.warnings);
     loaded.scene.check_extent().map_err(|message| Fault::Invalid(message).at(path))?;
     Ok(loaded)
+}
+
+/// Each warning once, and no more of them than anybody reads.
+fn tidy(warnings: &mut Vec<String>) {
+    const MOST: usize = 20;
+    let mut seen = HashSet::new();
+    warnings.retain(|warning| seen.insert(warning.clone()));
+    if warnings.len() > MOST {
+        let more = warnings.len() - MOST;
+        warnings.truncate(MOST);
+        warnings.push(format!("and {more} more warnings"));
+    }
 }
 
 /// A file's bytes and where they are from.

@@ -199,7 +199,7 @@ impl Entry {
         if let Some(roughness) = self.roughness {
             material.surface.roughness = roughness;
         }
-        if self.opacity < 1.0 && warnings.len() < 100 {
+        if self.opacity < 1.0 {
             warnings.push(format!("material '{}' is transparent: shown opaque", material.name));
         }
         Some(material)

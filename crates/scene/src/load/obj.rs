@@ -112,9 +112,7 @@ impl Reader {
             Some(material) => material.0,
             None => {
                 let warning = format!("material '{}' is not defined: grey is used", one_line(name));
-                if !self.scene.warnings.contains(&warning) && self.scene.warnings.len() < 100 {
-                    self.scene.warnings.push(warning);
-                }
+                self.scene.warnings.push(warning);
                 0
             }
         };

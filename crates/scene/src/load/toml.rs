@@ -131,7 +131,7 @@ impl Reader<'_> {
                 (loaded.scene, super::stem(Path::new(file)))
             }
             (None, Some(name)) => {
-                let builtin = builtin::by_name(name);
+                let builtin = builtin::without_ground(name);
                 (builtin.map_err(|error| self.at(spanned, error.to_string()))?, name.clone())
             }
             _ => return Err(self.at(spanned, "a model has either 'file' or 'builtin'".to_owned())),

@@ -9,7 +9,7 @@ use super::schema::{AlphaModeEntry, Int, MaterialEntry, Root, TextureInfo};
 use super::{Budget, Fault, Source, get};
 use crate::error::one_line;
 use crate::load::picture;
-use crate::{AlphaMode, Material, Scene, Texture, TextureId, TextureRef, Wrap};
+use crate::{AlphaMode, Material, Scene, SceneError, Texture, TextureId, TextureRef, Wrap};
 
 /// Reads every material, so that material `i` of the file is `scene.materials[i]`.
 pub fn read(
@@ -169,7 +169,15 @@ impl Textures<'_> {
         if let Some(&known) = self.known.get(&(image, wrap, nearest)) {
             return Ok(Some(known));
         }
-        let picture = self.picture(image, &name, budget)?;
+        let picture = match self.picture(image, &name, budget) {
+            Ok(picture) => picture,
+            // The geometry is whole: as with OBJ, it is shown without the picture.
+            Err(Fault::Elsewhere(error @ SceneError::Io { .. })) => {
+                scene.warnings.push(format!("{name} is left out: {error}"));
+                return Ok(None);
+            }
+            Err(fault) => return Err(fault),
+        };
         let id = TextureId(scene.textures.len());
         scene.textures.push(Texture {
             width: picture.width,

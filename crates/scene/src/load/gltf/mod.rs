@@ -7,6 +7,7 @@
 //!   but no nodes shows each mesh once; one whose nodes place no mesh is empty.
 //! - Nodes keep their hierarchy; meshes used by several nodes are shared.
 //! - Skinned meshes are bent once, by the pose in which the nodes stand; morph targets have their default weights.
+//! - A picture file that is missing is left out with a warning, a missing buffer is an error.
 //! - Points and lines are left out, alpha blending is opaque, occlusion maps are not used (light is computed).
 //! - Extensions: `KHR_materials_specular`, `KHR_materials_ior`, `KHR_materials_emissive_strength`,
 //!   `KHR_texture_transform`, `KHR_mesh_quantization`. Others are ignored with a warning, or refused where required.
