@@ -1,6 +1,7 @@
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use gnomon_envmap::{CubeMap, Equirect};
-use gnomon_image::LUMINANCE;
+use gnomon_image::{LUMINANCE, RgbImage};
+use rayon::prelude::*;
 
 use crate::DistantLight;
 
@@ -23,7 +24,8 @@ pub(super) struct TexelRect {
 
 impl Faces {
     pub(super) fn new(map: &Equirect, size: usize) -> Self {
-        let cube = CubeMap::from_equirect(map, size as u32);
+        let reduced = reduced(map, 8 * size);
+        let cube = CubeMap::from_equirect(reduced.as_ref().unwrap_or(map), size as u32);
         let solid_angle: Vec<f64> =
             (0..size * size).map(|i| cube.texel_solid_angle((i % size) as u32, (i / size) as u32)).collect();
         let flux = cube.faces().each_ref().map(|face| {
@@ -87,6 +89,35 @@ impl TexelRect {
     }
 }
 
+/// The map averaged over blocks of whole texels, at least `least_width` wide, where that is smaller: resampling it to a
+/// cube takes time for every texel, and twice a face's resolution is enough.
+fn reduced(map: &Equirect, least_width: usize) -> Option<Equirect> {
+    let (width, height) = (map.width(), map.height());
+    let divides = |block: &u32| width.is_multiple_of(*block) && height.is_multiple_of(*block);
+    let block = (2..=width / least_width as u32).rev().find(divides)?;
+    let solid_angle: Vec<f64> = (0..height).map(|y| map.texel_solid_angle(y)).collect();
+    let texels: Vec<Vec3> = (0..height / block)
+        .into_par_iter()
+        .flat_map_iter(|row| {
+            let rows = row * block..(row + 1) * block;
+            let weight = f64::from(block) * rows.clone().map(|y| solid_angle[y as usize]).sum::<f64>();
+            let solid_angle = &solid_angle;
+            (0..width / block).map(move |column| {
+                let columns = column * block..(column + 1) * block;
+                let flux: DVec3 = rows
+                    .clone()
+                    .map(|y| {
+                        let sum: DVec3 = columns.clone().map(|x| map.radiance().get(x, y).as_dvec3()).sum();
+                        sum * solid_angle[y as usize]
+                    })
+                    .sum();
+                (flux / weight).as_vec3()
+            })
+        })
+        .collect();
+    RgbImage::from_texels(width / block, height / block, texels).map(Equirect::new)
+}
+
 /// Luminance of linear RGB in double precision.
 pub(super) fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(LUMINANCE.as_dvec3())
@@ -94,10 +125,18 @@ pub(super) fn luminance(rgb: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-    use gnomon_image::RgbImage;
-
     use super::*;
+
+    #[test]
+    fn averaging_blocks_keeps_the_flux() {
+        let map = Equirect::new(RgbImage::from_fn(96, 48, |x, y| {
+            Vec3::new(x as f32, y as f32, (x * y % 7) as f32)
+        }));
+        let small = reduced(&map, 20).unwrap();
+        assert_eq!((small.width(), small.height()), (24, 12));
+        assert!((small.flux() - map.flux()).length() < 1e-6 * map.flux().length());
+        assert!(reduced(&map, 60).is_none());
+    }
 
     #[test]
     fn a_texel_light_points_at_its_texel_and_has_its_solid_angle() {

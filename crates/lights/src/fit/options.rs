@@ -10,7 +10,7 @@ pub struct FitOptions {
     pub light_count: Option<usize>,
     /// Where the fit stops, in (0, 1); its meaning is the fit's own.
     pub threshold: Option<f32>,
-    /// Largest angular width of a light [rad].
+    /// Largest diameter of a disk or side of a rectangle [rad].
     pub max_extent: Option<f32>,
 }
 

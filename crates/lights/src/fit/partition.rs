@@ -1,8 +1,8 @@
 use super::faces::{Faces, TexelRect, luminance};
 use super::rectangles::Outline;
 
-/// Errors of flux below this share of a face's flux come from resampling in single precision.
-const ROUNDING: f64 = 1e-5;
+/// Relative differences of flux below this come from resampling in single precision.
+pub(super) const ROUNDING: f64 = 1e-5;
 
 /// A rectangle of a face that becomes one uniform light.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::error::check_map;
 use super::faces::{Faces, TexelRect, luminance};
 use super::growth::{Growth, luminous, take};
-use super::partition::partition;
+use super::partition::{ROUNDING, partition};
 use super::{FitError, FitOptions, LightFit};
 use crate::{DistantLight, LightSet};
 
@@ -76,7 +76,7 @@ pub(super) fn build_squares(options: &FitOptions) -> Result<Box<dyn LightFit>, F
 
 impl Rectangles {
     /// `threshold` is the paper's `t`; `light_count` (at least 6) is met exactly by rectangles, and by squares or from
-    /// at most 2 below; `max_extent` [rad] bounds every light's angular width and height, if need be with more lights
+    /// at most 2 below; `max_extent` [rad] bounds the angular length of every light's sides, if need be with more lights
     /// than asked for.
     pub fn new(outline: Outline, options: &FitOptions) -> Result<Self, FitError> {
         options.validate()?;
@@ -120,9 +120,8 @@ impl Rectangles {
                 break;
             }
             let rect = growth.grow(&left, &flux, seed);
-            let solid_angle: f64 = rect.texels(left.size).map(|texel| left.solid_angle[texel]).sum();
-            let above_mean = luminance(left.rect_flux(face, rect)) > luminance(mean) * solid_angle;
-            let taken = take(&mut left, face, rect, if above_mean { mean } else { glam::DVec3::ZERO });
+            let residue = if is_above(&left, face, rect, mean) { mean } else { DVec3::ZERO };
+            let taken = take(&mut left, face, rect, residue);
             for texel in rect.texels(left.size) {
                 covered[texel] = true;
                 flux[texel] = luminance(left.flux[face][texel]);
@@ -155,11 +154,12 @@ impl Rectangles {
         let mut lights = Vec::new();
         let means: Vec<_> = (0..6).map(|face| faces.mean_radiance(face)).collect();
         for peak in &peaks {
-            let flux = take(&mut faces, peak.face, peak.rect, means[peak.face]);
-            // An earlier peak may have had it all.
-            if luminance(flux) > 0.0 {
-                lights.push(faces.light(peak.face, peak.rect, flux));
+            // A stronger peak may have had it all.
+            if !is_above(&faces, peak.face, peak.rect, means[peak.face]) {
+                continue;
             }
+            let flux = take(&mut faces, peak.face, peak.rect, means[peak.face]);
+            lights.push(faces.light(peak.face, peak.rect, flux));
         }
         for cell in partition(&faces, self.outline, count - lights.len(), growth.max_extent) {
             lights.push(faces.light(cell.face, cell.rect, faces.rect_flux(cell.face, cell.rect)));
@@ -183,13 +183,13 @@ fn face_peaks(faces: &Faces, face: usize, growth: Growth) -> Vec<Peak> {
     let mut flux = luminous(faces, face);
     let mut peaks = Vec::new();
     while let Some(seed) = hottest(&flux, |texel| !covered[texel]) {
-        if flux[seed] <= residue * faces.solid_angle[seed] {
+        if flux[seed] <= (1.0 + ROUNDING) * residue * faces.solid_angle[seed] {
             break;
         }
         let rect = growth.grow(faces, &flux, seed);
         let total: f64 = rect.texels(faces.size).map(|texel| flux[texel]).sum();
         let solid_angle: f64 = rect.texels(faces.size).map(|texel| faces.solid_angle[texel]).sum();
-        let above = total - residue * solid_angle;
+        let above = total - (1.0 + ROUNDING) * residue * solid_angle;
         for texel in rect.texels(faces.size) {
             covered[texel] = true;
             if above > 0.0 {
@@ -201,6 +201,12 @@ fn face_peaks(faces: &Faces, face: usize, growth: Growth) -> Vec<Peak> {
         }
     }
     peaks
+}
+
+/// Whether a rectangle's luminous flux exceeds that of a uniform `radiance`, beyond rounding.
+fn is_above(faces: &Faces, face: usize, rect: TexelRect, radiance: DVec3) -> bool {
+    let solid_angle: f64 = rect.texels(faces.size).map(|texel| faces.solid_angle[texel]).sum();
+    luminance(faces.rect_flux(face, rect)) > (1.0 + ROUNDING) * luminance(radiance) * solid_angle
 }
 
 /// The allowed texel of most flux; the first of equals.
