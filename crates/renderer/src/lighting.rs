@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
-use gnomon_envmap::{Equirect, Sh9};
+use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
 use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
 
@@ -13,8 +13,9 @@ const DFG_SIZE: u32 = 32;
 const IRRADIANCE_HEIGHT: u32 = 32;
 /// Height of the map that irradiance is integrated from.
 const IRRADIANCE_SOURCE_HEIGHT: u32 = 64;
-/// Height of the sharpest prefiltered level.
-const PREFILTERED_HEIGHT: u32 = 256;
+/// Width of the sharpest prefiltered level, and number of levels: bilinear lookups want 32 x 16 texels in the last.
+const PREFILTERED_WIDTH: u32 = 512;
+const PREFILTERED_LEVELS: u32 = 5;
 
 /// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
 pub(crate) struct Lighting {
@@ -42,12 +43,14 @@ impl Lighting {
         let residual_sh = Sh9::project(&set.residual);
         let dfg: Vec<Vec2> = gnomon_brdf::dfg_table(DFG_SIZE);
         let dfg = RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| dfg[(y * DFG_SIZE + x) as usize].extend(0.0));
-        let base = PREFILTERED_HEIGHT.min(map.height());
-        let prefiltered = |map: &Equirect| upload(gpu, "prefiltered", std::slice::from_ref(map.resized(2*base,base).radiance()));
+        let prefiltered = |map: &Equirect| {
+            let filtered = PrefilteredMap::new(map, PREFILTERED_WIDTH, PREFILTERED_LEVELS);
+            upload(gpu, "prefiltered", filtered.levels().iter().map(Equirect::radiance))
+        };
         Ok(Self {
             lights: set.lights.clone(),
             residual_sh: residual_sh.coefficients.map(|c| c.extend(0.0).to_array()),
-            background: upload(gpu, "background", std::slice::from_ref(map.radiance())),
+            background: upload(gpu, "background", [map.radiance()]),
             irradiance_full: upload(gpu, "irradiance", &[irradiance_map(map)]),
             prefiltered_full: prefiltered(map),
             prefiltered_residual: prefiltered(&set.residual),
@@ -57,7 +60,8 @@ impl Lighting {
 }
 
 /// Uploads a picture and its mip levels in full precision: a sun exceeds what 16 bits hold.
-fn upload(gpu: &Gpu, label: &str, levels: &[RgbImage]) -> wgpu::TextureView {
+fn upload<'a>(gpu: &Gpu, label: &str, levels: impl IntoIterator<Item = &'a RgbImage>) -> wgpu::TextureView {
+    let levels: Vec<&RgbImage> = levels.into_iter().collect();
     let size = levels.first().map_or([1, 1, 1], |level| [level.width(), level.height(), 1]);
     let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
     let count = (levels.len() as u32).max(1);

@@ -21,13 +21,11 @@ fn basis(@builtin(global_invocation_id) id: vec3u) {
     let light = id.z / parameters.groups;
     let group = id.z % parameters.groups;
     let z = SERIES_DEPTH_SCALE * textureLoad(depth_maps, id.xy, light, 0);
-    let phase = series_frequencies(group) * z;
-    let sine = sin(phase);
-    let cosine = cos(phase);
-    textureStore(basis_sin, id.xy, id.z, sine);
-    textureStore(basis_cos, id.xy, id.z, cosine);
-    textureStore(basis_z_sin, id.xy, id.z, z * sine);
-    textureStore(basis_z_cos, id.xy, id.z, z * cosine);
+    let phases = series_phases(z, group);
+    textureStore(basis_sin, id.xy, id.z, phases[1]);
+    textureStore(basis_cos, id.xy, id.z, phases[0]);
+    textureStore(basis_z_sin, id.xy, id.z, z * phases[1]);
+    textureStore(basis_z_cos, id.xy, id.z, z * phases[0]);
 }
 
 @compute @workgroup_size(8, 8)

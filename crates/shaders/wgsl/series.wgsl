@@ -6,14 +6,16 @@
 // would already be falling into its next period.
 const SERIES_DEPTH_SCALE: f32 = 0.9;
 
-fn series_frequency(k: u32) -> f32 {
-    return PI * (2.0 * f32(k) - 1.0);
-}
-
-// Frequencies of the four terms of one RGBA layer: k = 4 group + 1 .. 4 group + 4.
-fn series_frequencies(group: u32) -> vec4f {
-    let k = vec4f(1.0, 2.0, 3.0, 4.0) + 4.0 * f32(group);
-    return PI * (2.0 * k - 1.0);
+// cos(c_k x) and sin(c_k x) of the four terms of one RGBA layer, k = 4 group + 1 .. 4 group + 4: the first by definition, the
+// others by turning it by 2 pi x.
+fn series_phases(x: f32, group: u32) -> mat2x4f {
+    let first = PI * (8.0 * f32(group) + 1.0) * x;
+    let turn = vec2f(cos(TAU * x), sin(TAU * x));
+    let p1 = vec2f(cos(first), sin(first));
+    let p2 = vec2f(p1.x * turn.x - p1.y * turn.y, p1.x * turn.y + p1.y * turn.x);
+    let p3 = vec2f(p2.x * turn.x - p2.y * turn.y, p2.x * turn.y + p2.y * turn.x);
+    let p4 = vec2f(p3.x * turn.x - p3.y * turn.y, p3.x * turn.y + p3.y * turn.x);
+    return mat2x4f(vec4f(p1.x, p2.x, p3.x, p4.x), vec4f(p1.y, p2.y, p3.y, p4.y));
 }
 
 // 2 / c_k for terms up to `order`, 0 beyond it.
@@ -22,16 +24,14 @@ fn series_weights(group: u32, order: u32) -> vec4f {
     return select(vec4f(0.0), 2.0 / (PI * (2.0 * k - 1.0)), k <= vec4f(f32(order)));
 }
 
-// One layer's part of s_f - 1/2: sum of (2 / c_k) [cos(c_k d) S_k - sin(c_k d) C_k].
-fn series_lit(d: f32, filtered_sin: vec4f, filtered_cos: vec4f, group: u32, order: u32) -> f32 {
-    let phase = series_frequencies(group) * d;
-    return dot(series_weights(group, order), cos(phase) * filtered_sin - sin(phase) * filtered_cos);
+// One layer's part of s_f - 1/2: sum of (2 / c_k) [cos(c_k d) S_k - sin(c_k d) C_k]; `phases` are those of d.
+fn series_lit(phases: mat2x4f, filtered_sin: vec4f, filtered_cos: vec4f, weights: vec4f) -> f32 {
+    return dot(weights, phases[0] * filtered_sin - phases[1] * filtered_cos);
 }
 
 // One layer's part of the CSM-Z numerator less half the filtered depth (2008, eq. 11).
-fn series_blocker_depth(d: f32, filtered_z_sin: vec4f, filtered_z_cos: vec4f, group: u32, order: u32) -> f32 {
-    let phase = series_frequencies(group) * d;
-    return dot(series_weights(group, order), sin(phase) * filtered_z_cos - cos(phase) * filtered_z_sin);
+fn series_blocker_depth(phases: mat2x4f, filtered_z_sin: vec4f, filtered_z_cos: vec4f, weights: vec4f) -> f32 {
+    return dot(weights, phases[1] * filtered_z_cos - phases[0] * filtered_z_sin);
 }
 
 // Scale, shift and clamp so that ringing only falls outside [0, 1] (2008, section 3.3, Fig. 3).

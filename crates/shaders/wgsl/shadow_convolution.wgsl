@@ -16,28 +16,26 @@ fn filtered_lit(light: u32, uv: vec2f, d: f32, level: f32) -> f32 {
     for (var group = 0u; group < parameters.groups; group++) {
         let layer = light * parameters.groups + group;
         s += series_lit(
-            d,
+            series_phases(d, group),
             textureSampleLevel(basis_sin, trilinear, uv, layer, level),
             textureSampleLevel(basis_cos, trilinear, uv, layer, level),
-            group,
-            parameters.order,
+            series_weights(group, parameters.order),
         );
     }
     return s;
 }
 
-// Mean depth of what is nearer than `d` under the kernel of `level` (2008, eq. 11), in scaled light depth.
-fn average_blocker_depth(light: u32, uv: vec2f, d: f32, level: f32) -> f32 {
-    let lit = filtered_lit(light, uv, d, level);
+// Mean depth of what is nearer than `d` under the kernel of `level`, in scaled light depth, given the filtered series `lit`
+// of the same kernel (2008, eq. 11).
+fn average_blocker_depth(light: u32, uv: vec2f, d: f32, level: f32, lit: f32) -> f32 {
     var sum = 0.5 * textureSampleLevel(linear_depth, trilinear, uv, light, level).r;
     for (var group = 0u; group < parameters.groups; group++) {
         let layer = light * parameters.groups + group;
         sum += series_blocker_depth(
-            d,
+            series_phases(d, group),
             textureSampleLevel(basis_z_sin, trilinear, uv, layer, level),
             textureSampleLevel(basis_z_cos, trilinear, uv, layer, level),
-            group,
-            parameters.order,
+            series_weights(group, parameters.order),
         );
     }
     // Where next to nothing blocks, the quotient means nothing and the kernel does not matter.
@@ -55,9 +53,17 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
         lights[light].footprint * lights[light].depth_range_world / SERIES_DEPTH_SCALE * texels_per_metre;
     let d = SERIES_DEPTH_SCALE * (receiver.z - parameters.depth_bias);
 
-    // First kernel: where the cone to the light meets the near plane.
+    // First kernel: where the cone to the light meets the near plane. It holds the final one, so where all of it is lit or
+    // all of it is dark, so is the point.
     let first_level = min(level_from_width(width_per_depth * d), parameters.max_level);
-    let z_avg = average_blocker_depth(light, receiver.xy, d, first_level);
+    let first_lit = filtered_lit(light, receiver.xy, d, first_level);
+    if first_lit >= parameters.white_point {
+        return 1.0;
+    }
+    if first_lit <= parameters.black_point {
+        return 0.0;
+    }
+    let z_avg = average_blocker_depth(light, receiver.xy, d, first_level, first_lit);
     let level = min(level_from_width(width_per_depth * (d - z_avg)), parameters.max_level);
     let lit = filtered_lit(light, receiver.xy, d, level);
     let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);

@@ -31,10 +31,10 @@ impl Default for ConvolutionSettings {
         Self {
             order: 4,
             black_point: 0.05,
-            white_point: 0.95,
-            sharpening_a: 30.0,
-            sharpening_b: 10.0,
-            depth_bias: 0.02,
+            white_point: 0.87,
+            sharpening_a: 6.0,
+            sharpening_b: 15.0,
+            depth_bias: 0.06,
         }
     }
 }
