@@ -1,5 +1,5 @@
 use glam::{Affine3A, Mat4, Vec3};
-use gnomon_scene::{MeshId, Scene};
+use gnomon_scene::{MeshId, Scene, normal_matrix};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
@@ -182,13 +182,9 @@ impl Geometry {
 
 fn instance_bytes(placements: impl Iterator<Item = Affine3A>) -> Vec<u8> {
     let instances: Vec<layout::Instance> = placements
-        .map(|world_from_mesh| {
-            let matrix = world_from_mesh.matrix3;
-            let inverse = if matrix.determinant() == 0.0 { matrix } else { matrix.inverse() };
-            layout::Instance {
-                world_from_mesh: Mat4::from(world_from_mesh).to_cols_array_2d(),
-                normal_from_mesh: Mat4::from_mat3a(inverse.transpose()).to_cols_array_2d(),
-            }
+        .map(|world_from_mesh| layout::Instance {
+            world_from_mesh: Mat4::from(world_from_mesh).to_cols_array_2d(),
+            normal_from_mesh: Mat4::from_mat3(normal_matrix(&world_from_mesh)).to_cols_array_2d(),
         })
         .collect();
     bytemuck::cast_slice(&instances).to_vec()

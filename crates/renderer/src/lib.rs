@@ -21,6 +21,8 @@ mod renderer;
 mod resolve;
 mod shade;
 pub mod shadow;
+#[cfg(test)]
+mod twins;
 
 pub use error::RenderError;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions, list_adapters};

@@ -4,5 +4,6 @@
 
 pub mod layout;
 mod resolve;
+pub mod twin;
 
 pub use resolve::{ENTRIES, Entry, ShaderError, Slot, modules, resolve};

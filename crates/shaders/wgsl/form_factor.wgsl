@@ -1,16 +1,17 @@
 #import math
 
-// Integral of n . w over a spherical polygon's edge (Lambert 1760): half the angle times the edge plane's normal along n.
+// One edge of Lambert's polygon formula (Lambert 1760): half its angle times the normal of its plane, along n.
 fn edge_form_factor(n: vec3f, a: vec3f, b: vec3f) -> f32 {
-    let c = cross(a, b);
+    // (b - a) x a equals b x a, and keeps its digits for the short edges of small lights.
+    let c = cross(b - a, a);
     let sine = length(c);
-    if sine < 1e-7 {
+    if sine == 0.0 {
         return 0.0;
     }
     return 0.5 * atan2(sine, dot(a, b)) * dot(c, n) / sine;
 }
 
-// Integral of max(0, n . w) over the convex quadrilateral with unit corner directions, in either turn:
+// Integral of max(0, n . w) over the convex quadrilateral with unit corner directions, counter-clockwise seen from the scene:
 // Lambert's polygon formula after clipping against the horizon. [sr]
 fn rectangle_form_factor(n: vec3f, corners: array<vec4f, 4>) -> f32 {
     var corner = corners;
@@ -38,7 +39,7 @@ fn rectangle_form_factor(n: vec3f, corners: array<vec4f, 4>) -> f32 {
     if crossings == 2u {
         sum += edge_form_factor(n, exit, entry);
     }
-    return abs(sum);
+    return max(sum, 0.0);
 }
 
 // Integral of max(0, n . w) over the cone of `angular_radius` about `direction`, in closed form (Snyder 1996; Lagarde and

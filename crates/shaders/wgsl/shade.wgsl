@@ -17,8 +17,8 @@
 @group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
 
 const FLAG_BACKGROUND: u32 = 1u;
-// GGX alpha below this is a mirror to any light of finite size.
-const MIN_ALPHA: f32 = 0.0016;
+// `gnomon_brdf::MIN_ALPHA`.
+const MIN_ALPHA: f32 = 0.002;
 
 fn light_form_factor(light: u32, n: vec3f) -> f32 {
     if lights[light].shape == SHAPE_DISK {

@@ -22,5 +22,5 @@ fn transform(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
     let normal = (instance.normal_from_mesh * vec4f(vertex.normal, 0.0)).xyz;
     positions_world[index] = instance.world_from_mesh * vec4f(vertex.position, 1.0);
     normals_world[index] = vec4f(normal / max(length(normal), 1e-20), 0.0);
-    tangents_world[index] = vec4f((instance.world_from_mesh * vec4f(vertex.tangent, 0.0)).xyz, vertex.tangent_sign);
+    tangents_world[index] = vec4f((instance.normal_from_mesh * vec4f(vertex.tangent, 0.0)).xyz, vertex.tangent_sign);
 }

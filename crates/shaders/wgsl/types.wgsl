@@ -59,7 +59,7 @@ struct MeshVertex {
 // Rigid or affine placement of a mesh.
 struct Instance {
     world_from_mesh: mat4x4f,
-    // Inverse transpose, for normals.
+    // Cofactors: for normals, and for the tangents of normal maps, as the reference does it.
     normal_from_mesh: mat4x4f,
 }
 

@@ -1,0 +1,272 @@
+//! Shader functions against their Rust twins over random inputs, on whatever adapter there is.
+
+use glam::{Vec2, Vec3, Vec4};
+use gnomon_envmap::{Equirect, Sh9};
+use gnomon_shaders::twin::{math, series};
+
+use crate::bindings::Binding;
+use crate::{Gpu, GpuOptions};
+
+const COUNT: usize = 4096;
+
+/// An adapter, or `None` after printing why the test is skipped.
+pub(crate) fn gpu_or_skip() -> Option<Gpu> {
+    match Gpu::new(&GpuOptions::default()) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            gnomon_testing::skip(&error.to_string());
+            None
+        }
+    }
+}
+
+/// Four numbers in [0, 1) for every call, by an additive recurrence of low discrepancy (Roberts 2018, R4).
+fn uniform(i: usize) -> Vec4 {
+    let steps = [0.856_674_9, 0.733_891_9, 0.628_706_7, 0.538_597_3_f64];
+    Vec4::from_array(steps.map(|step| ((i as f64 + 1.0) * step).fract() as f32))
+}
+
+fn unit_vector(u: Vec4) -> Vec3 {
+    Equirect::direction_from_uv(Vec2::new(u.x, (1.0 - 2.0 * u.y).acos() / std::f32::consts::PI))
+}
+
+/// Runs `body` on the GPU, an expression of type vec4f of two inputs `a` and `b`, over `inputs`.
+fn evaluate(gpu: &Gpu, module: &str, body: &str, inputs: &[[Vec4; 2]]) -> Vec<Vec4> {
+    let source = format!(
+        "{}
+        @group(0) @binding(0) var<storage, read> twin_inputs: array<array<vec4f, 2>>;
+        @group(0) @binding(1) var<storage, read_write> twin_outputs: array<vec4f>;
+        @compute @workgroup_size(64)
+        fn twin(@builtin(global_invocation_id) id: vec3u) {{
+            if id.x >= arrayLength(&twin_inputs) {{ return; }}
+            let a = twin_inputs[id.x][0];
+            let b = twin_inputs[id.x][1];
+            twin_outputs[id.x] = {body};
+        }}",
+        gnomon_shaders::resolve(module, &[]).unwrap()
+    );
+    let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("twin"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let bindings = [(0, Binding::Storage { read_only: true }), (1, Binding::Storage { read_only: false })];
+    let layout = gpu.layout("twin", wgpu::ShaderStages::COMPUTE, &bindings);
+    let pipeline = gpu.compute_pipeline(&shader, "twin", &[Some(&layout)]);
+    let input = gpu.buffer_with("inputs", bytemuck::cast_slice(inputs), wgpu::BufferUsages::STORAGE);
+    let size = 16 * inputs.len() as u64;
+    let output =
+        gpu.empty_buffer("outputs", size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let mapped =
+        gpu.empty_buffer("mapped", size, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let group =
+        gpu.bind_group("twin", &layout, &[(0, input.as_entire_binding()), (1, output.as_entire_binding())]);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(inputs.len().div_ceil(64) as u32, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&output, 0, &mapped, 0, size);
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = gpu.read_buffer(&mapped).unwrap();
+    bytemuck::pod_collect_to_vec::<u8, Vec4>(&bytes)[..inputs.len()].to_vec()
+}
+
+/// Largest difference between shader and twin, each relative to the value where that exceeds 1.
+fn worst(shader: &[Vec4], inputs: &[[Vec4; 2]], twin: impl Fn([Vec4; 2]) -> Vec4) -> f32 {
+    let difference = |(got, input): (&Vec4, &[Vec4; 2])| {
+        let want = twin(*input);
+        assert!(got.is_finite() && want.is_finite(), "{input:?}: shader {got}, twin {want}");
+        ((*got - want).abs() / want.abs().max(Vec4::ONE)).max_element()
+    };
+    shader.iter().zip(inputs).map(difference).fold(0.0, f32::max)
+}
+
+/// Compares one function over inputs made from uniform numbers.
+fn compare(
+    module: &str,
+    body: &str,
+    tolerance: f32,
+    input: impl Fn(Vec4, Vec4) -> [Vec4; 2],
+    twin: impl Fn([Vec4; 2]) -> Vec4,
+) {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let inputs: Vec<_> = (0..COUNT).map(|i| input(uniform(i), uniform(i + 3 * COUNT))).collect();
+    let shader = evaluate(&gpu, module, body, &inputs);
+    assert_eq!(shader.len(), COUNT);
+    let worst = worst(&shader, &inputs, twin);
+    assert!(worst <= tolerance, "{body}: differs by {worst}, more than {tolerance}");
+}
+
+fn scalar(value: f32) -> Vec4 {
+    Vec4::new(value, 0.0, 0.0, 0.0)
+}
+
+#[test]
+fn octahedral_maps() {
+    let input = |u, _| [unit_vector(u).extend(0.0), Vec4::ZERO];
+    compare("math", "vec4f(octahedral_encode(a.xyz), 0.0, 0.0)", 1e-5, input, |[a, _]| {
+        math::octahedral_encode(a.truncate()).extend(0.0).extend(0.0)
+    });
+    compare("math", "vec4f(octahedral_decode(octahedral_encode(a.xyz)), 0.0)", 1e-5, input, |[a, _]| a);
+}
+
+#[test]
+fn equirect_mapping() {
+    let away_from_the_seam =
+        |u: Vec4, _| [Vec4::new(0.01 + 0.98 * u.x, 0.01 + 0.98 * u.y, 0.0, 0.0), Vec4::ZERO];
+    compare("math", "vec4f(direction_from_uv(a.xy), 0.0)", 1e-5, away_from_the_seam, |[a, _]| {
+        Equirect::direction_from_uv(Vec2::new(a.x, a.y)).extend(0.0)
+    });
+    compare(
+        "math",
+        "vec4f(uv_from_direction(direction_from_uv(a.xy)), 0.0, 0.0)",
+        1e-4,
+        away_from_the_seam,
+        |[a, _]| {
+            let uv = Equirect::uv_from_direction(Equirect::direction_from_uv(Vec2::new(a.x, a.y)));
+            uv.extend(0.0).extend(0.0)
+        },
+    );
+}
+
+#[test]
+fn ggx() {
+    let input = |u: Vec4, _| [Vec4::new(u.x, u.y.max(0.01), 0.05 + 0.95 * u.z, u.w), Vec4::ZERO];
+    compare("brdf_ggx", "vec4f(d_ggx(a.x, a.z), 0.0, 0.0, 0.0)", 2e-3, input, |[a, _]| {
+        scalar(gnomon_brdf::d_ggx(a.x, a.z))
+    });
+    let input =
+        |u: Vec4, _| [Vec4::new(0.02 + 0.98 * u.x, 0.02 + 0.98 * u.y, 0.05 + 0.95 * u.z, u.w), Vec4::ZERO];
+    compare(
+        "brdf_ggx",
+        "vec4f(v_smith_ggx_correlated(a.x, a.y, a.z), 0.0, 0.0, 0.0)",
+        1e-4,
+        input,
+        |[a, _]| scalar(gnomon_brdf::v_smith_ggx_correlated(a.x, a.y, a.z)),
+    );
+    compare(
+        "brdf_ggx",
+        "vec4f(f_schlick(a.xyz, a.w, b.x), 0.0)",
+        1e-5,
+        |u, v| [u, v],
+        |[a, b]| gnomon_brdf::f_schlick(a.truncate(), a.w, b.x).extend(0.0),
+    );
+}
+
+#[test]
+fn form_factors() {
+    let input = |u: Vec4, v: Vec4| [unit_vector(u).extend(0.01 + 1.4 * u.z), unit_vector(v).extend(0.0)];
+    compare(
+        "form_factor",
+        "vec4f(disk_form_factor(b.xyz, a.xyz, a.w), 0.0, 0.0, 0.0)",
+        2e-4,
+        input,
+        |[a, b]| scalar(gnomon_lights::form_factor::disk_form_factor(b.truncate(), a.truncate(), a.w)),
+    );
+    // A rectangle on the plane z = 1, counter-clockwise seen from the origin.
+    let corners = |u: Vec4| {
+        let min = Vec2::new(u.x, u.y) * 1.6 - 1.0;
+        let max = min + Vec2::new(u.z, u.w) * 0.35 + 0.05;
+        [min, Vec2::new(min.x, max.y), max, Vec2::new(max.x, min.y)].map(|p| p.extend(1.0).normalize())
+    };
+    let corner = |x: &str, y: &str| format!("vec4f(normalize(vec3f({x}, {y}, 1.0)), 0.0)");
+    let (x0, y0) = ("a.x * 1.6 - 1.0", "a.y * 1.6 - 1.0");
+    let (x1, y1) = ("a.x * 1.6 - 1.0 + a.z * 0.35 + 0.05", "a.y * 1.6 - 1.0 + a.w * 0.35 + 0.05");
+    let list = [corner(x0, y0), corner(x0, y1), corner(x1, y1), corner(x1, y0)].join(", ");
+    let body = format!("vec4f(rectangle_form_factor(b.xyz, array<vec4f, 4>({list})), 0.0, 0.0, 0.0)");
+    compare(
+        "form_factor",
+        &body,
+        2e-4,
+        |u, v| [u, unit_vector(v).extend(0.0)],
+        |[a, b]| scalar(gnomon_lights::form_factor::rectangle_form_factor(b.truncate(), corners(a))),
+    );
+}
+
+#[test]
+fn shadow_series() {
+    for group in 0..4 {
+        let body = format!("series_phases(a.x, {group}u)[0] + 2.0 * series_phases(a.x, {group}u)[1]");
+        compare(
+            "series",
+            &body,
+            1e-4,
+            |u, _| [u, Vec4::ZERO],
+            move |[a, _]| {
+                let [cosines, sines] = series::series_phases(a.x, group);
+                cosines + 2.0 * sines
+            },
+        );
+    }
+    let body = "series_weights(u32(a.x * 4.0), u32(a.y * 17.0))";
+    compare(
+        "series",
+        body,
+        1e-6,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| series::series_weights((a.x * 4.0) as u32, (a.y * 17.0) as u32),
+    );
+    let body = "vec4f(series_lit(mat2x4f(a, b), b, a.wzyx, a), series_blocker_depth(mat2x4f(a, b), b, a.wzyx, a), 0.0, 0.0)";
+    compare(
+        "series",
+        body,
+        1e-5,
+        |u, v| [u, v],
+        |[a, b]| {
+            let turned = Vec4::new(a.w, a.z, a.y, a.x);
+            let lit = series::series_lit([a, b], b, turned, a);
+            Vec4::new(lit, series::series_blocker_depth([a, b], b, turned, a), 0.0, 0.0)
+        },
+    );
+    let body = "vec4f(suppress_ringing(a.x * 1.4 - 0.2, 0.05, 0.9), sharpen(a.y, a.z, 30.0, 10.0), level_from_width(a.w * 500.0), 0.0)";
+    // Just below a power of two the floor of the logarithm may fall either way; the level is continuous there.
+    compare(
+        "series",
+        body,
+        1e-4,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            Vec4::new(
+                series::suppress_ringing(a.x * 1.4 - 0.2, 0.05, 0.9),
+                series::sharpen(a.y, a.z, 30.0, 10.0),
+                series::level_from_width(a.w * 500.0),
+                0.0,
+            )
+        },
+    );
+}
+
+#[test]
+fn irradiance_of_spherical_harmonics() {
+    let coefficients: [Vec3; 9] = std::array::from_fn(|i| uniform(i).truncate() - 0.5);
+    let list = coefficients.map(|c| format!("vec4f({:?}, {:?}, {:?}, 0.0)", c.x, c.y, c.z)).join(", ");
+    let body = format!("vec4f(sh_irradiance(array<vec4f, 9>({list}), a.xyz), 0.0)");
+    compare(
+        "sh",
+        &body,
+        1e-5,
+        |u, _| [unit_vector(u).extend(0.0), Vec4::ZERO],
+        |[a, _]| Sh9 { coefficients }.irradiance(a.truncate()).extend(0.0),
+    );
+}
+
+#[test]
+fn tone_mapping() {
+    let bright = |u: Vec4, _| [8.0 * u * u, Vec4::ZERO];
+    compare("tonemap", "vec4f(tone_map_neutral(a.xyz), srgb_encode(a.w / 8.0))", 1e-4, bright, |[a, _]| {
+        let mapped = gnomon_image::tonemap::tone_map_neutral(a.truncate());
+        mapped.extend(gnomon_image::tonemap::srgb_encode(a.w / 8.0))
+    });
+}
+
+#[test]
+fn a_planted_fault_is_found() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let inputs: Vec<_> = (0..COUNT).map(|i| [uniform(i), Vec4::ZERO]).collect();
+    let shader = evaluate(&gpu, "brdf_ggx", "vec4f(d_ggx(a.x, a.y + 0.1), 0.0, 0.0, 0.0)", &inputs);
+    let faulty = worst(&shader, &inputs, |[a, _]| scalar(gnomon_brdf::d_ggx(a.x, a.y + 0.101)));
+    let sound = worst(&shader, &inputs, |[a, _]| scalar(gnomon_brdf::d_ggx(a.x, a.y + 0.1)));
+    assert!(faulty > 2e-3 && sound < 2e-3, "faulty {faulty}, sound {sound}");
+}

@@ -1,0 +1,193 @@
+//! Scenes whose picture is known in closed form.
+
+mod common;
+
+use common::*;
+use glam::{Vec2, Vec3};
+use gnomon_brdf::Surface;
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_lights::{FitOptions, LightSet};
+use gnomon_metrics::{penumbra, tolerances};
+use gnomon_renderer::{RenderSettings, composite, shadow};
+use gnomon_scene::{Camera, Material, Scene};
+
+fn material(surface: Surface) -> Material {
+    Material { surface, ..Default::default() }
+}
+
+fn fitted(map: &Equirect) -> LightSet {
+    let fit = gnomon_lights::fit::by_name("rectangles", &FitOptions::default()).unwrap();
+    fit.fit(map).unwrap()
+}
+
+#[test]
+fn constant_environment_over_lambert_is_albedo_times_radiance() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let radiance = Vec3::new(0.5, 1.0, 2.0);
+    let albedo = Vec3::new(0.8, 0.5, 0.2);
+    let map = constant_map(radiance);
+    let set = fitted(&map);
+    let scene = scene_of(vec![sphere()], material(Surface { base_color: albedo, ..Default::default() }));
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 20_f32.to_radians());
+    // A sphere shadows nothing that its own horizon does not, so every technique must agree.
+    for (shadows, _) in shadow::names() {
+        for rule in composite::COMPOSITINGS {
+            let settings = RenderSettings {
+                shadows: shadows.to_owned(),
+                compositing: rule.name.to_owned(),
+                ..Default::default()
+            };
+            let frame = render(&gpu, settings, &scene, &map, &set, &camera, [16, 16]);
+            let worst = frame
+                .radiance
+                .texels()
+                .iter()
+                .map(|texel| ((*texel - albedo * radiance).abs() / (albedo * radiance)).max_element())
+                .fold(0.0, f32::max);
+            // Shadow maps of finite resolution darken the terminator of each light a little.
+            let tolerance = if shadows == "none" { tolerances::FURNACE as f32 } else { tolerances::GPU_FURNACE };
+            assert!(worst <= tolerance, "{shadows} {}: off by {worst}", rule.name);
+        }
+    }
+}
+
+#[test]
+fn a_ggx_furnace_gives_its_directional_albedo() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = constant_map(Vec3::ONE);
+    let set = LightSet::new("test", Vec::new(), map.clone());
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 5_f32.to_radians());
+    for roughness in [0.1, 0.4, 0.7, 1.0] {
+        let surface = Surface {
+            base_color: Vec3::ONE,
+            metallic: 1.0,
+            roughness,
+            specular: 1.0,
+            ..Default::default()
+        };
+        let scene = scene_of(vec![sphere()], material(surface));
+        let settings = RenderSettings { shadows: "none".to_owned(), ..Default::default() };
+        let frame = render(&gpu, settings, &scene, &map, &set, &camera, [4, 4]);
+        let albedo = gnomon_brdf::dfg(1.0, roughness).element_sum();
+        let seen = frame.radiance.get(2, 2).x;
+        assert!((seen - albedo).abs() < 2.0 * tolerances::FURNACE as f32, "roughness {roughness}: {seen}, {albedo}");
+    }
+}
+
+#[test]
+fn the_background_is_the_environment() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = Equirect::new(RgbImage::from_fn(32, 16, |x, y| Vec3::new(x as f32, y as f32, (x * y % 7) as f32)));
+    let set = LightSet::new("test", Vec::new(), map.clone());
+    let settings = RenderSettings { samples: 1, ..Default::default() };
+    for target in [Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::new(0.1, 0.9, 0.2), Vec3::new(-0.3, -0.9, 0.1)] {
+        let camera = Camera::look_at(Vec3::ZERO, target, 80_f32.to_radians());
+        let frame = render(&gpu, settings.clone(), &Scene::default(), &map, &set, &camera, [33, 21]);
+        for (x, y) in [(0, 0), (16, 10), (32, 20), (5, 17)] {
+            let across = 40_f32.to_radians().tan();
+            let screen = Vec2::new((x as f32 + 0.5) / 33.0 * 2.0 - 1.0, 1.0 - (y as f32 + 0.5) / 21.0 * 2.0);
+            let ray = Vec3::new(screen.x * across, screen.y * across * 21.0 / 33.0, -1.0);
+            let direction = camera.world_from_camera.transform_vector3(ray).normalize();
+            let difference = (frame.radiance.get(x, y) - map.lookup(direction)).abs().max_element();
+            assert!(difference < 0.02, "{target} ({x}, {y}): {difference}");
+        }
+    }
+}
+
+/// Visibility along x on the ground, under an occluder over x < 0 at `height` and a disk light straight above.
+fn penumbra_profile(gpu: &gnomon_renderer::Gpu, shadows: &str, height: f32, angular_radius: f32) -> Vec<f32> {
+    let half = 2.0;
+    let scene = scene_of(
+        vec![
+            horizontal(Vec2::splat(-half), Vec2::splat(half), 0.0),
+            horizontal(Vec2::splat(-half), Vec2::new(0.0, half), height),
+        ],
+        material(Surface { base_color: Vec3::ONE, ..Default::default() }),
+    );
+    let set = one_disk(Vec3::Y, angular_radius);
+    // From the open side, below the occluder.
+    let camera = Camera {
+        projection: gnomon_scene::Projection::Orthographic { half_width: 0.5 },
+        ..Camera::look_at(Vec3::new(0.0, 0.5 * height, 0.001), Vec3::ZERO, 1.0)
+    };
+    let settings = RenderSettings {
+        shadows: shadows.to_owned(),
+        compositing: "additive".to_owned(),
+        shadow_resolution: 512,
+        samples: 1,
+        ..Default::default()
+    };
+    let frame = render(gpu, settings, &scene, &no_light(), &set, &camera, [400, 5]);
+    let sine = angular_radius.sin();
+    // Irradiance pi sin^2 r over a white Lambert surface reflects sin^2 r.
+    (0..400).map(|x| frame.radiance.get(x, 2).x / (sine * sine)).collect()
+}
+
+#[test]
+fn convolution_shadows_give_the_closed_form_penumbra() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    for (height, degrees) in [(1.0, 5.0), (1.0, 10.0), (0.6, 10.0)] {
+        let radius = f32::to_radians(degrees);
+        let profile = penumbra_profile(&gpu, "convolution", height, radius);
+        let width = penumbra::disk_penumbra_width(&profile).unwrap() / 400.0;
+        let expected = 2.0 * height * radius.tan();
+        println!("height {height} radius {degrees}: penumbra {width:.4}, closed form {expected:.4}");
+        assert!(profile[2] < 0.02, "umbra {}", profile[2]);
+        assert!((profile[397] - 1.0).abs() < 0.01, "full light {}", profile[397]);
+        assert!((width / expected - 1.0).abs() <= tolerances::PENUMBRA_WIDTH, "{width} against {expected}");
+    }
+}
+
+#[test]
+fn a_hard_shadow_fails_the_penumbra_check() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let profile = penumbra_profile(&gpu, "hard", 1.0, 5_f32.to_radians());
+    let width = penumbra::disk_penumbra_width(&profile).unwrap() / 400.0;
+    assert!((width / (2.0 * 5_f32.to_radians().tan()) - 1.0).abs() > tolerances::PENUMBRA_WIDTH, "{width}");
+}
+
+#[test]
+fn moved_instances_draw_as_a_new_scene_does() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut scene = scene_of(vec![sphere(), horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), -1.0)], Material::default());
+    let map = constant_map(Vec3::ONE);
+    let set = one_disk(Vec3::new(0.3, 0.9, 0.1).normalize(), 0.1);
+    let camera = Camera::look_at(Vec3::new(2.0, 3.0, 5.0), Vec3::ZERO, 0.8);
+    let mut renderer = gnomon_renderer::Renderer::new(&gpu, RenderSettings::default()).unwrap();
+    renderer.set_scene(&scene).unwrap();
+    renderer.set_lighting(&map, &set).unwrap();
+    let before = renderer.render(&camera, 32, 24).unwrap().radiance;
+    scene.nodes[0].parent_from_node = glam::Affine3A::from_translation(Vec3::new(1.0, 0.5, 0.0));
+    renderer.move_scene(&scene).unwrap();
+    let moved = renderer.render(&camera, 32, 24).unwrap().radiance;
+    let fresh = render(&gpu, RenderSettings::default(), &scene, &map, &set, &camera, [32, 24]).radiance;
+    assert_ne!(moved, before);
+    assert_eq!(moved, fresh);
+}
+
+#[test]
+fn nothing_to_draw_and_wrong_settings_are_defined() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, 1.0);
+    let black = LightSet::new("test", Vec::new(), no_light());
+    let frame =
+        render(&gpu, RenderSettings::default(), &Scene::default(), &no_light(), &black, &camera, [8, 8]);
+    assert!(frame.radiance.texels().iter().all(|texel| *texel == Vec3::ZERO));
+
+    let wrong = |change: &dyn Fn(&mut RenderSettings)| {
+        let mut settings = RenderSettings::default();
+        change(&mut settings);
+        gnomon_renderer::Renderer::new(&gpu, settings).err().map(|error| error.to_string())
+    };
+    assert!(wrong(&|s| s.shadows = "moonlight".to_owned()).unwrap().contains("convolution, hard, none"));
+    assert!(wrong(&|s| s.compositing = "xor".to_owned()).unwrap().contains("additive"));
+    assert!(wrong(&|s| s.shadow_resolution = 100).unwrap().contains("power of two"));
+    assert!(wrong(&|s| s.samples = 0).unwrap().contains("1 to 8"));
+    assert!(wrong(&|s| s.exposure_ev = f32::NAN).is_some());
+    let mut renderer = gnomon_renderer::Renderer::new(&gpu, RenderSettings::default()).unwrap();
+    assert!(renderer.render(&camera, 8, 8).is_err(), "no lighting was set");
+    renderer.set_lighting(&no_light(), &black).unwrap();
+    assert!(renderer.render(&camera, 0, 8).is_err());
+    assert!(renderer.render(&camera, 8, 1 << 20).is_err());
+}

@@ -1,0 +1,6 @@
+//! Rust twins of shader functions that belong to no other crate: same names, same arithmetic, compared over random inputs.
+//!
+//! BRDFs have their twins in `gnomon-brdf`, form factors in `gnomon-lights`, tone mapping in `gnomon-image`, SH in `gnomon-envmap`.
+
+pub mod math;
+pub mod series;
