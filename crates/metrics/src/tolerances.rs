@@ -50,6 +50,9 @@ pub const PROJECTION_RELATIVE_RMSE: f64 = 0.03;
 /// with many samples.
 pub const FURNACE: f64 = 0.01;
 
+/// Furnace on the GPU with shadow maps: near the terminator of each light its finite texels shadow the surface itself.
+pub const GPU_FURNACE: f32 = 0.05;
+
 /// Penumbra width of a disk light above a plane edge against the closed form, relative, parallel occluder.
 pub const PENUMBRA_WIDTH: f32 = 0.10;
 
