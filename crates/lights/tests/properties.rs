@@ -42,7 +42,7 @@ fn spots() -> impl Strategy<Value = Vec<(f32, f32, f32, f32)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4))]
+    #![proptest_config(ProptestConfig { cases: 4, max_shrink_iters: 20, ..ProptestConfig::default() })]
 
     #[test]
     fn flux_is_kept_and_radiance_stays_physical(spots in spots(), width in 1_u32..90, height in 1_u32..50) {

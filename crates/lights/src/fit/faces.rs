@@ -1,9 +1,10 @@
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2};
 use gnomon_envmap::{CubeMap, Equirect};
-use gnomon_image::{LUMINANCE, RgbImage};
+use gnomon_image::LUMINANCE;
 use rayon::prelude::*;
 
 use crate::DistantLight;
+use crate::light::rectangle_solid_angle;
 
 /// Flux of an environment on the texels of six cube faces.
 pub(super) struct Faces {
@@ -23,14 +24,25 @@ pub(super) struct TexelRect {
 }
 
 impl Faces {
+    /// The map's flux on faces of `size` x `size` texels. A texel's radiance is the mean over a dense regular grid of
+    /// directions; each channel is then scaled, by next to nothing, to the map's flux. A map turned by a quarter about
+    /// +y gives the same texels, turned.
     pub(super) fn new(map: &Equirect, size: usize) -> Self {
-        let reduced = reduced(map, 8 * size);
-        let cube = CubeMap::from_equirect(reduced.as_ref().unwrap_or(map), size as u32);
-        let solid_angle: Vec<f64> =
-            (0..size * size).map(|i| cube.texel_solid_angle((i % size) as u32, (i / size) as u32)).collect();
-        let flux = cube.faces().each_ref().map(|face| {
-            face.texels().iter().zip(&solid_angle).map(|(texel, sr)| texel.as_dvec3() * *sr).collect()
+        let edge = |index: usize| 2.0 * index as f64 / size as f64 - 1.0;
+        let solid_angle: Vec<f64> = (0..size * size)
+            .map(|i| {
+                let (x, y) = (i % size, i / size);
+                rectangle_solid_angle(DVec2::new(edge(x), edge(y)), DVec2::new(edge(x + 1), edge(y + 1)))
+            })
+            .collect();
+        let means = sampled_means(map, size);
+        let mut flux: [Vec<DVec3>; 6] = std::array::from_fn(|face| {
+            let texels = means[face * size * size..(face + 1) * size * size].iter();
+            texels.zip(&solid_angle).map(|(mean, sr)| *mean * *sr).collect()
         });
+        let (wanted, sampled) = (map.flux(), flux.iter().flatten().sum::<DVec3>());
+        let scale = DVec3::select(sampled.cmpgt(DVec3::ZERO), wanted / sampled, DVec3::ONE);
+        flux.iter_mut().flatten().for_each(|texel| *texel *= scale);
         Self { size, solid_angle, flux }
     }
 
@@ -89,33 +101,89 @@ impl TexelRect {
     }
 }
 
-/// The map averaged over blocks of whole texels, at least `least_width` wide, where that is smaller: resampling it to a
-/// cube takes time for every texel, and twice a face's resolution is enough.
-fn reduced(map: &Equirect, least_width: usize) -> Option<Equirect> {
-    let (width, height) = (map.width(), map.height());
-    let divides = |block: &u32| width.is_multiple_of(*block) && height.is_multiple_of(*block);
-    let block = (2..=width / least_width as u32).rev().find(divides)?;
-    let solid_angle: Vec<f64> = (0..height).map(|y| map.texel_solid_angle(y)).collect();
-    let texels: Vec<Vec3> = (0..height / block)
-        .into_par_iter()
-        .flat_map_iter(|row| {
-            let rows = row * block..(row + 1) * block;
-            let weight = f64::from(block) * rows.clone().map(|y| solid_angle[y as usize]).sum::<f64>();
-            let solid_angle = &solid_angle;
-            (0..width / block).map(move |column| {
-                let columns = column * block..(column + 1) * block;
-                let flux: DVec3 = rows
-                    .clone()
-                    .map(|y| {
-                        let sum: DVec3 = columns.clone().map(|x| map.radiance().get(x, y).as_dvec3()).sum();
-                        sum * solid_angle[y as usize]
-                    })
-                    .sum();
-                (flux / weight).as_vec3()
-            })
+/// Mean radiance of every texel of six faces, one face after the other.
+fn sampled_means(map: &Equirect, size: usize) -> Vec<DVec3> {
+    let (width, height) = (map.width() as usize, map.height() as usize);
+    // Samples a texel, each way: at least three across the smallest texel of a face, at its corners. Their number around
+    // the horizon is a multiple of 8 where the width is one of 4, so that no sample falls on the edge of two side faces.
+    let density = |texels: usize| {
+        let needed = (24 * size).div_ceil(texels);
+        if needed == 1 && texels.is_multiple_of(8) { 1 } else { needed.next_multiple_of(2) }
+    };
+    let (per_column, per_row) = (density(width), density(2 * height));
+    let azimuths = azimuths(width * per_column);
+    let axes: [[DVec3; 3]; 6] = std::array::from_fn(|face| {
+        let point = |x: f32, y: f32| CubeMap::point_on_face(face, Vec2::new(x, y)).as_dvec3();
+        let forward = point(0.0, 0.0);
+        [point(1.0, 0.0) - forward, point(0.0, 1.0) - forward, forward]
+    });
+    let polar = |row: usize| std::f64::consts::PI * row as f64 / (height * per_row) as f64;
+    // Radiance times weight, and weight.
+    type Sums = Vec<(DVec3, f64)>;
+    let band = |rows: std::ops::Range<usize>| -> Sums {
+        let mut sums = vec![(DVec3::ZERO, 0.0); 6 * size * size];
+        for row in rows {
+            let (sin, cos) = polar(row).midpoint(polar(row + 1)).sin_cos();
+            let texels = &map.radiance().texels()[row / per_row * width..][..width];
+            for (texel, azimuths) in texels.iter().zip(azimuths.chunks_exact(per_column)) {
+                // Solid angle of the sample, up to a factor common to all.
+                let weighted = texel.as_dvec3() * sin;
+                for [sin_phi, cos_phi] in azimuths {
+                    let d = DVec3::new(sin * sin_phi, cos, -sin * cos_phi);
+                    let a = d.abs();
+                    let face = if a.y >= a.x.max(a.z) {
+                        2 + usize::from(d.y < 0.0)
+                    } else if a.x >= a.z {
+                        usize::from(d.x < 0.0)
+                    } else {
+                        4 + usize::from(d.z < 0.0)
+                    };
+                    let [right, down, forward] = &axes[face];
+                    let scale = 0.5 * size as f64 / d.dot(*forward);
+                    let cell =
+                        |axis: DVec3| ((d.dot(axis) * scale + 0.5 * size as f64) as usize).min(size - 1);
+                    let sum = &mut sums[(face * size + cell(*down)) * size + cell(*right)];
+                    sum.0 += weighted;
+                    sum.1 += sin;
+                }
+            }
+        }
+        sums
+    };
+    // A fixed number of bands, so that the sums do not depend on the number of threads.
+    let rows = height * per_row;
+    let edge = |index: usize| index * rows / BANDS;
+    let bands: Vec<Sums> = (0..BANDS).into_par_iter().map(|i| band(edge(i)..edge(i + 1))).collect();
+    (0..6 * size * size)
+        .map(|texel| {
+            let (sum, weight) = bands
+                .iter()
+                .fold((DVec3::ZERO, 0.0), |sum, band| (sum.0 + band[texel].0, sum.1 + band[texel].1));
+            if weight > 0.0 { sum / weight } else { DVec3::ZERO }
         })
-        .collect();
-    RgbImage::from_texels(width / block, height / block, texels).map(Equirect::new)
+        .collect()
+}
+
+/// Bands of rows that are sampled side by side.
+const BANDS: usize = 8;
+
+/// Sine and cosine of `count` azimuths at the middles of equal steps; where they come in quarters, each quarter repeats
+/// the first one's numbers exactly.
+fn azimuths(count: usize) -> Vec<[f64; 2]> {
+    let at = |i: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * (i as f64 + 0.5) / count as f64).sin_cos();
+        [sin, cos]
+    };
+    if !count.is_multiple_of(4) {
+        return (0..count).map(at).collect();
+    }
+    let quarter = count / 4;
+    (0..count)
+        .map(|i| {
+            let [sin, cos] = at(i % quarter);
+            [[sin, cos], [cos, -sin], [-sin, -cos], [-cos, sin]][i / quarter]
+        })
+        .collect()
 }
 
 /// Luminance of linear RGB in double precision.
@@ -125,23 +193,42 @@ pub(super) fn luminance(rgb: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+    use gnomon_image::RgbImage;
+
     use super::*;
 
     #[test]
-    fn averaging_blocks_keeps_the_flux() {
-        let map = Equirect::new(RgbImage::from_fn(96, 48, |x, y| {
-            Vec3::new(x as f32, y as f32, (x * y % 7) as f32)
-        }));
-        let small = reduced(&map, 20).unwrap();
-        assert_eq!((small.width(), small.height()), (24, 12));
-        assert!((small.flux() - map.flux()).length() < 1e-6 * map.flux().length());
-        assert!(reduced(&map, 60).is_none());
+    fn texels_have_the_radiance_of_their_directions_and_all_of_the_flux() {
+        for (width, height) in [(1, 1), (3, 2), (64, 32), (1024, 512), (1200, 600)] {
+            // Radiance that is linear in the direction's y, so that a texel's mean is known at its centre.
+            let map = Equirect::new(RgbImage::from_fn(width, height, |_, y| {
+                let theta = |y: u32| std::f32::consts::PI * y as f32 / height as f32;
+                Vec3::new(1.0, 2.0 + 0.5 * (theta(y).cos() + theta(y + 1).cos()), 0.0)
+            }));
+            let faces = Faces::new(&map, 32);
+            let sum: DVec3 = faces.flux.iter().flatten().sum();
+            assert!((sum - map.flux()).length() < 1e-9, "{width} x {height}");
+            if height < 100 {
+                continue;
+            }
+            let cube = CubeMap::new(std::array::from_fn(|_| RgbImage::filled(32, 32, Vec3::ZERO))).unwrap();
+            for (face, texel) in (0..6).flat_map(|face| (0..32 * 32).map(move |texel| (face, texel))) {
+                let radiance = faces.flux[face][texel] / faces.solid_angle[texel];
+                let direction = cube.texel_direction(face, texel as u32 % 32, texel as u32 / 32);
+                let expected = DVec3::new(1.0, 2.0 + f64::from(direction.y), 0.0);
+                assert!(
+                    (radiance - expected).length() < 5e-3,
+                    "{width} {face} {texel}: {radiance} {expected}"
+                );
+            }
+        }
     }
 
     #[test]
     fn a_texel_light_points_at_its_texel_and_has_its_solid_angle() {
         let map = Equirect::new(RgbImage::filled(16, 8, Vec3::ONE));
-        let cube = CubeMap::from_equirect(&map, 8);
+        let cube = CubeMap::new(std::array::from_fn(|_| RgbImage::filled(8, 8, Vec3::ZERO))).unwrap();
         let faces = Faces::new(&map, 8);
         for face in 0..6 {
             for (x, y) in [(0, 0), (7, 2), (3, 5)] {

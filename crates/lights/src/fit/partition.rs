@@ -15,8 +15,10 @@ pub(super) struct Cell {
 /// the [`discrepancy`], and further until none is wider than `max_extent` [rad]. Black faces get none.
 pub(super) fn partition(faces: &Faces, outline: Outline, count: usize, max_extent: f64) -> Vec<Cell> {
     let sums: Vec<FaceSums> = (0..6).map(|face| FaceSums::new(faces, face)).collect();
-    let too_wide = |cell: &Cell| faces.extent(cell.rect).into_iter().any(|angle| angle > max_extent);
-    let planned = |cell: Cell| (cell, sums[cell.face].best_cut(cell.rect, outline));
+    let planned = |cell: Cell| {
+        let too_wide = faces.extent(cell.rect).map(|angle| angle > max_extent);
+        (cell, sums[cell.face].best_cut(cell.rect, outline, too_wide))
+    };
     let mut cells: Vec<(Cell, Option<Cut>)> = (0..6)
         .filter(|face| faces.flux[*face].iter().any(|flux| luminance(*flux) > 0.0))
         .map(|face| planned(Cell { face, rect: TexelRect::face(faces.size) }))
@@ -26,12 +28,11 @@ pub(super) fn partition(faces: &Faces, outline: Outline, count: usize, max_exten
         let next = cells
             .iter()
             .enumerate()
-            .filter_map(|(index, (cell, cut))| {
+            .filter_map(|(index, (_, cut))| {
                 let cut = (*cut).as_ref()?;
                 // Too wide goes first, whatever the count.
-                let priority = if too_wide(cell) { f64::INFINITY } else { cut.gain };
-                let allowed = priority.is_infinite() || (cut.helps && cut.parts.len() - 1 <= room);
-                allowed.then_some((priority, index))
+                let priority = if cut.forced { f64::INFINITY } else { cut.gain };
+                (cut.forced || cut.parts.len() - 1 <= room).then_some((priority, index))
             })
             .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         let Some((_, index)) = next else { break };
@@ -46,8 +47,8 @@ pub(super) fn partition(faces: &Faces, outline: Outline, count: usize, max_exten
 struct Cut {
     /// How much it reduces the discrepancy, for each light that it adds.
     gain: f64,
-    /// Whether there is any discrepancy to reduce, beyond rounding.
-    helps: bool,
+    /// Whether the cell is too wide.
+    forced: bool,
     parts: Vec<TexelRect>,
 }
 
@@ -95,25 +96,45 @@ impl FaceSums {
             .sum()
     }
 
-    fn best_cut(&self, rect: TexelRect, outline: Outline) -> Option<Cut> {
+    /// The cut that gains most; only across the axes that are `too_wide`, if any is. `None` where there is nothing to
+    /// gain beyond rounding.
+    fn best_cut(&self, rect: TexelRect, outline: Outline, too_wide: [bool; 2]) -> Option<Cut> {
+        let forced = too_wide[0] || too_wide[1];
         let whole = self.discrepancy(rect);
-        let [flux, _] = self.sum(TexelRect::face(self.size));
-        let helps = whole > (ROUNDING * flux).powi(2);
+        let [face_flux, _] = self.sum(TexelRect::face(self.size));
+        let flat = whole <= (ROUNDING * face_flux).powi(2);
+        if flat && !forced {
+            return None;
+        }
         let cut = |parts: Vec<TexelRect>| {
             let rest: f64 = parts.iter().map(|part| self.discrepancy(*part)).sum();
-            Cut { gain: (whole - rest) / (parts.len() - 1) as f64, helps, parts }
+            Cut { gain: (whole - rest) / (parts.len() - 1) as f64, forced, parts }
         };
         match outline {
-            Outline::Rectangle => (0..2)
-                .flat_map(|axis| (rect.min[axis] + 1..rect.max[axis]).map(move |at| (axis, at)))
+            // Slivers do not make a wide cell narrow.
+            Outline::Rectangle if !flat => (0..2)
+                .filter(|axis| !forced || too_wide[*axis])
+                .flat_map(|axis| {
+                    let (min, max) = (rect.min[axis], rect.max[axis]);
+                    let margin = if forced { ((max - min) / 4).max(1) } else { 1 };
+                    (min + margin..=max - margin).map(move |at| (axis, at))
+                })
                 .map(|(axis, at)| cut(rect.split(axis, at).to_vec()))
                 .max_by(|a, b| a.gain.total_cmp(&b.gain)),
-            Outline::Square => {
-                let middle = [0, 1].map(|axis| rect.min[axis].midpoint(rect.max[axis]));
-                (middle[0] > rect.min[0]).then(|| {
-                    let halves = rect.split(0, middle[0]);
-                    cut(halves.into_iter().flat_map(|half| half.split(1, middle[1])).collect())
-                })
+            _ => {
+                let axes = match outline {
+                    Outline::Square => [true, true],
+                    // Both at once: nothing tells one axis from the other.
+                    Outline::Rectangle => too_wide,
+                };
+                let mut parts = vec![rect];
+                for axis in (0..2).filter(|axis| axes[*axis]) {
+                    let middle = rect.min[axis].midpoint(rect.max[axis]);
+                    if middle > rect.min[axis] {
+                        parts = parts.into_iter().flat_map(|part| part.split(axis, middle)).collect();
+                    }
+                }
+                (parts.len() > 1).then(|| cut(parts))
             }
         }
     }
