@@ -1,0 +1,101 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use gnomon::lights::{fit, preview};
+
+use crate::error::CliError;
+use crate::options::{EnvironmentSpec, FitArgs, load_environment, projection};
+use crate::output;
+use crate::terminal::{Terminal, print};
+
+/// Take an environment apart into area lights and an ambient rest
+///
+/// Every light has a centre direction, an outline, a solid angle [sr], and radiance and flux as linear RGB; the flux of all
+/// lights and of the residual map together is the environment's.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  gnomon decompose grace.hdr --preview lights.png
+  gnomon decompose room --method rectangles --light-count 60 -o lights.json --residual rest.exr")]
+pub struct DecomposeArgs {
+    /// Environment map (HDR or EXR), or a built-in one: room, sky
+    #[arg(value_name = "ENV")]
+    environment: String,
+
+    /// How to fit lights: disks, squares or rectangles
+    #[arg(long, value_name = "METHOD", default_value = "disks")]
+    method: String,
+
+    #[command(flatten)]
+    fit: FitArgs,
+
+    /// Layout of the map, where its shape does not tell: equirect, vertical-cross, ...
+    #[arg(long, value_name = "NAME", value_parser = projection)]
+    projection: Option<gnomon::envmap::Projection>,
+
+    /// Turn the environment about +y by the right-hand rule
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = crate::options::finite)]
+    env_rotation: f32,
+
+    /// Write the lights as JSON here instead of on standard output
+    #[arg(short, long, value_name = "LIGHTS.json")]
+    output: Option<PathBuf>,
+
+    /// Write what is left of the map: the ambient part
+    #[arg(long, value_name = "OUT.exr")]
+    residual: Option<PathBuf>,
+
+    /// Write the tone-mapped map with the lights outlined
+    #[arg(long, value_name = "OUT.png")]
+    preview: Option<PathBuf>,
+}
+
+/// Width of the preview picture, unless the map is smaller.
+const PREVIEW_WIDTH: u32 = 1024;
+
+/// Runs the command.
+///
+/// # Errors
+/// An environment that cannot be read or fitted, unwritable outputs.
+pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
+    if let Some(path) = &args.output {
+        output::check(path, &["json"])?;
+    }
+    if let Some(path) = &args.residual {
+        output::check(path, &["exr"])?;
+    }
+    if let Some(path) = &args.preview {
+        output::check(path, &["png"])?;
+    }
+    let method = fit::by_name(&args.method, &args.fit.options())?;
+    let spinner = terminal.spinner("fitting");
+    let environment = load_environment(
+        &EnvironmentSpec {
+            name: args.environment.clone(),
+            projection: args.projection,
+            rotation_degrees: args.env_rotation,
+        },
+        terminal,
+    )?;
+    let lights = method.fit(&environment)?;
+    drop(spinner);
+    if let Some(path) = &args.residual {
+        gnomon::image::write(path, lights.residual.radiance())?;
+    }
+    if let Some(path) = &args.preview {
+        let width = PREVIEW_WIDTH.max(environment.width().min(2 * PREVIEW_WIDTH));
+        gnomon::image::write(path, &preview(&environment, &lights, width))?;
+    }
+    match &args.output {
+        Some(path) => {
+            output::write_text(path, &lights.to_json())?;
+            let share = 100.0 * (1.0 - lights.flux_shares().residual);
+            terminal.note(&format!(
+                "{} {} carry {share:.1} % of the environment's flux",
+                lights.lights.len(),
+                lights.method
+            ));
+            Ok(())
+        }
+        None => print(&lights.to_json()),
+    }
+}

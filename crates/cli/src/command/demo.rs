@@ -1,0 +1,143 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::Vec3;
+use gnomon::image::RgbImage;
+use gnomon::image::tonemap::{ToneMapping, tone_mapped};
+use gnomon::lights::preview;
+use gnomon::metrics::{Exposure, compare, flip_difference, signed_difference};
+use gnomon::reference::{ReferenceOptions, render};
+
+use crate::command::render::{GpuArgs, draw, fit_lights};
+use crate::error::CliError;
+use crate::font;
+use crate::options::Inputs;
+use crate::output;
+use crate::terminal::{Terminal, print};
+
+/// Show what Gnomon does: a built-in scene, drawn, ray-traced and compared
+///
+/// Writes sheet.png (environment with its lights, GPU picture, reference, and their differences), the single pictures, and
+/// comparison.json, and prints the error.
+#[derive(Args, Debug)]
+pub struct DemoArgs {
+    /// Folder for the pictures; made if missing
+    #[arg(short, long, value_name = "FOLDER", default_value = "out/demo")]
+    output: PathBuf,
+
+    /// Built-in scene
+    #[arg(long, value_name = "NAME", default_value = "three-boxes")]
+    scene: String,
+
+    /// Built-in environment
+    #[arg(long, value_name = "NAME", default_value = "room")]
+    env: String,
+
+    /// Samples a pixel of the ray-traced reference
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    spp: u32,
+
+    #[command(flatten)]
+    gpu: GpuArgs,
+}
+
+/// Size of each picture on the sheet.
+const WIDTH: u32 = 480;
+const HEIGHT: u32 = 360;
+
+/// Runs the command.
+///
+/// # Errors
+/// No adapter, unwritable folder.
+pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
+    std::fs::create_dir_all(&args.output)
+        .map_err(|source| CliError::Write { path: args.output.clone(), source })?;
+    let inputs = Inputs::builtin(&args.scene, &args.env, (WIDTH, HEIGHT), terminal)?;
+    let spinner = terminal.spinner("rendering");
+    let lights = fit_lights(&args.gpu, &inputs.environment)?;
+    let picture = draw(&args.gpu, &inputs, &lights, false)?.radiance;
+    drop(spinner);
+
+    let bar = terminal.bar("ray tracing");
+    let progress = |share| bar.set(share);
+    let options = ReferenceOptions {
+        width: WIDTH,
+        height: HEIGHT,
+        samples_per_pixel: args.spp,
+        progress: Some(&progress),
+        ..ReferenceOptions::default()
+    };
+    let estimate = render(&inputs.scene, &inputs.camera, &inputs.environment, &options)?;
+    drop(bar);
+
+    let reference = &estimate.mean;
+    let comparison = compare(&picture, reference, None)?;
+    let mean = comparison.reference_mean.iter().sum::<f64>() / 3.0;
+    let noise = (channel_mean(&estimate.variance).max(0.0)).sqrt() / mean.max(f64::from(f32::MIN_POSITIVE));
+    let environment = preview(&inputs.environment, &lights, 2 * WIDTH + GAP);
+    let shown = |radiance: &RgbImage| tone_mapped(radiance, ToneMapping::default(), comparison.exposure);
+    let panels = [
+        (format!("GPU, {} {}", lights.lights.len(), lights.method), shown(&picture)),
+        (format!("Ray traced, {} samples a pixel", args.spp), shown(reference)),
+        (
+            format!("FLIP, weighted median {:.3}", comparison.flip.weighted_median),
+            flip_difference(&picture, reference, Exposure::Stops(comparison.exposure))?,
+        ),
+        (
+            format!("GPU - reference, relative RMSE {:.3}", comparison.relative_rmse),
+            signed_difference(&picture, reference, mean.max(f64::from(f32::MIN_POSITIVE)) as f32)?,
+        ),
+    ];
+    let file = |name: &str| args.output.join(name);
+    gnomon::image::write(
+        file("sheet.png"),
+        &sheet(&format!("Environment: {}", args.env), &environment, &panels),
+    )?;
+    output::write_radiance(&file("gpu.exr"), &picture, 0.0)?;
+    output::write_radiance(&file("reference.exr"), reference, 0.0)?;
+    output::write_text(&file("comparison.json"), &(output::json(&comparison) + "\n"))?;
+    print(&format!(
+        "relative RMSE {:.4} (the reference's own noise is {noise:.4} of it), bias {:+.4}, FLIP weighted median {:.4}, PSNR {:.1} dB\n{}",
+        comparison.relative_rmse,
+        comparison.relative_bias,
+        comparison.flip.weighted_median,
+        comparison.psnr,
+        file("sheet.png").display()
+    ))
+}
+
+fn channel_mean(picture: &RgbImage) -> f64 {
+    let sum: f64 = picture.texels().iter().map(|texel| texel.as_dvec3().element_sum()).sum();
+    sum / (3.0 * picture.texels().len() as f64)
+}
+
+/// Pixels between panels.
+const GAP: u32 = 12;
+/// Size of the captions' pixels, and the height of the strip that holds one.
+const CAPTION_SCALE: u32 = 2;
+const CAPTION: u32 = font::HEIGHT * CAPTION_SCALE + GAP;
+
+/// One wide picture above two rows of two, each under its caption.
+fn sheet(title: &str, wide: &RgbImage, panels: &[(String, RgbImage); 4]) -> RgbImage {
+    let width = wide.width() + 2 * GAP;
+    let row = CAPTION + HEIGHT;
+    let height = GAP + CAPTION + wide.height() + 2 * (GAP + row) + GAP;
+    // sRGB 0.1: darker than any picture, so that their edges show.
+    let mut sheet = RgbImage::filled(width, height, Vec3::splat(0.01));
+    place(&mut sheet, (GAP, GAP), title, wide);
+    for ((caption, picture), (column, line)) in panels.iter().zip([(0, 0), (1, 0), (0, 1), (1, 1)]) {
+        let x = GAP + column * (WIDTH + GAP);
+        let y = GAP + CAPTION + wide.height() + GAP + line * (row + GAP);
+        place(&mut sheet, (x, y), caption, picture);
+    }
+    sheet
+}
+
+fn place(sheet: &mut RgbImage, (x, y): (u32, u32), caption: &str, picture: &RgbImage) {
+    font::write(sheet, (x, y), caption, CAPTION_SCALE, Vec3::splat(0.7));
+    for row in 0..picture.height() {
+        for column in 0..picture.width() {
+            *sheet.get_mut(x + column, y + CAPTION + row) = picture.get(column, row);
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! One file a command: its arguments, and what they mean.
+
+pub mod bench;
+pub mod compare;
+pub mod decompose;
+pub mod demo;
+pub mod info;
+pub mod reference;
+pub mod render;

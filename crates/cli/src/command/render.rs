@@ -1,0 +1,213 @@
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use gnomon::envmap::Equirect;
+use gnomon::image::RgbImage;
+use gnomon::lights::{LightSet, fit};
+use gnomon::renderer::{Gpu, GpuOptions, PassTiming, RenderSettings, Renderer};
+use gnomon::scene::Camera;
+use serde_json::{Value, json};
+
+use crate::error::CliError;
+use crate::options::{FitArgs, InputArgs, Inputs};
+use crate::output;
+use crate::terminal::Terminal;
+
+/// Draw a scene under an environment on the GPU, soft shadows included
+///
+/// The environment becomes area lights, each with soft shadows, and an ambient rest. PNG holds the exposed and tone-mapped
+/// picture, EXR linear radiance.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  gnomon render three-boxes --env room -o boxes.png
+  gnomon render bunny.ply --env grace.hdr --lights disks -o bunny.png --stats stats.json
+  gnomon render robot.glb --env sky --camera 'eye=3,2,4; target=0,0.5,0; fov=40' -o robot.exr")]
+pub struct RenderArgs {
+    #[command(flatten)]
+    inputs: InputArgs,
+
+    /// Where the picture goes
+    #[arg(short, long, value_name = "OUT.{png,exr}")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    gpu: GpuArgs,
+
+    /// Write lights, flux shares, adapter, memory and the time of every pass as JSON
+    #[arg(long, value_name = "STATS.json")]
+    stats: Option<PathBuf>,
+}
+
+/// How the GPU draws.
+#[derive(Args, Debug)]
+pub struct GpuArgs {
+    /// How to fit lights to the environment: disks, squares, rectangles, or none for ambient light only
+    #[arg(long, value_name = "METHOD", default_value = DEFAULT_FIT)]
+    pub lights: String,
+
+    #[command(flatten)]
+    pub fit: FitArgs,
+
+    /// Shadow technique: convolution, hard or none
+    #[arg(long, value_name = "NAME", default_value = "convolution")]
+    pub shadows: String,
+
+    /// How shadows and unshadowed light become one picture: ratio, subtractive or additive
+    #[arg(long, value_name = "NAME", default_value = "ratio")]
+    pub compositing: String,
+
+    /// Texels along each side of a light's shadow map, a power of two
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub shadow_resolution: u32,
+
+    /// Samples along each side of a pixel, 1 to 8
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub supersample: u32,
+
+    /// Part of the name of the adapter to use (see gnomon info) [default: the fastest]
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// The fit that shows the whole environment with the smallest error for its cost.
+pub const DEFAULT_FIT: &str = "rectangles";
+
+/// Frames timed for the statistics, after one that compiles the pipelines.
+const TIMED_FRAMES: usize = 5;
+
+/// Runs the command.
+///
+/// # Errors
+/// Inputs that cannot be used, no adapter, unwritable outputs.
+pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
+    output::check(&args.output, &["png", "exr"])?;
+    if let Some(path) = &args.stats {
+        output::check(path, &["json"])?;
+    }
+    let inputs = Inputs::load(&args.inputs, terminal)?;
+    let spinner = terminal.spinner("fitting");
+    let lights = fit_lights(&args.gpu, &inputs.environment)?;
+    drop(spinner);
+    let spinner = terminal.spinner("rendering");
+    let drawn = draw(&args.gpu, &inputs, &lights, args.stats.is_some())?;
+    drop(spinner);
+    output::write_radiance(&args.output, &drawn.radiance, inputs.exposure)?;
+    if let Some(path) = &args.stats {
+        output::write_text(path, &(output::json(&stats(&inputs, &lights, &drawn)) + "\n"))?;
+    }
+    Ok(())
+}
+
+/// Lights and ambient rest of an environment, as the options ask.
+///
+/// # Errors
+/// Unknown fit, option out of range.
+pub fn fit_lights(args: &GpuArgs, environment: &Equirect) -> Result<LightSet, CliError> {
+    if args.lights == "none" {
+        return Ok(LightSet::new("none", Vec::new(), environment.clone()));
+    }
+    Ok(fit::by_name(&args.lights, &args.fit.options())?.fit(environment)?)
+}
+
+/// A picture and what it took.
+pub struct Drawn {
+    /// Linear radiance.
+    pub radiance: RgbImage,
+    adapter: Value,
+    shadow_bytes: u64,
+    frame_milliseconds: f64,
+    passes: Vec<PassTiming>,
+}
+
+/// Draws one frame on the adapter that the options name; `timed` draws more of them and keeps the medians.
+///
+/// # Errors
+/// No adapter, unknown technique, a scene beyond the adapter's limits.
+pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> Result<Drawn, CliError> {
+    let gpu = Gpu::new(&GpuOptions { adapter: args.adapter.clone() })?;
+    let settings = RenderSettings {
+        shadows: args.shadows.clone(),
+        compositing: args.compositing.clone(),
+        shadow_resolution: args.shadow_resolution,
+        samples: args.supersample,
+        exposure_ev: inputs.exposure,
+        profile: false,
+        ..RenderSettings::default()
+    };
+    let renderer = |profile| -> Result<Renderer<'_>, CliError> {
+        let mut renderer = Renderer::new(&gpu, RenderSettings { profile, ..settings.clone() })?;
+        renderer.set_scene(&inputs.scene)?;
+        renderer.set_lighting(&inputs.environment, lights)?;
+        Ok(renderer)
+    };
+    let mut plain = renderer(false)?;
+    let frame = plain.render(&inputs.camera, inputs.width, inputs.height)?;
+    let mut drawn = Drawn {
+        radiance: frame.radiance,
+        adapter: json!(gpu.adapter()),
+        shadow_bytes: plain.shadow_bytes(),
+        frame_milliseconds: 0.0,
+        passes: Vec::new(),
+    };
+    if timed {
+        drawn.frame_milliseconds = frame_milliseconds(&mut plain, &inputs.camera, inputs)?;
+        drop(plain);
+        drawn.passes = pass_timings(&mut renderer(true)?, &inputs.camera, inputs)?;
+    }
+    Ok(drawn)
+}
+
+/// Median time of a whole frame, from its first command until the device is idle.
+fn frame_milliseconds(
+    renderer: &mut Renderer<'_>,
+    camera: &Camera,
+    inputs: &Inputs,
+) -> Result<f64, CliError> {
+    let mut times = Vec::with_capacity(TIMED_FRAMES);
+    for _ in 0..TIMED_FRAMES {
+        let start = Instant::now();
+        renderer.draw(camera, inputs.width, inputs.height)?;
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(median(times))
+}
+
+/// Median time of every pass of a profiling renderer.
+fn pass_timings(
+    renderer: &mut Renderer<'_>,
+    camera: &Camera,
+    inputs: &Inputs,
+) -> Result<Vec<PassTiming>, CliError> {
+    let mut passes = renderer.draw(camera, inputs.width, inputs.height)?;
+    let mut frames = Vec::with_capacity(TIMED_FRAMES);
+    for _ in 0..TIMED_FRAMES {
+        frames.push(renderer.draw(camera, inputs.width, inputs.height)?);
+    }
+    for (index, pass) in passes.iter_mut().enumerate() {
+        let times = frames.iter().filter_map(|frame| frame.get(index)).map(|pass| pass.milliseconds);
+        pass.milliseconds = median(times.collect());
+    }
+    Ok(passes)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+fn stats(inputs: &Inputs, lights: &LightSet, drawn: &Drawn) -> Value {
+    let shares = lights.flux_shares();
+    json!({
+        "width": inputs.width,
+        "height": inputs.height,
+        "triangles": inputs.scene.triangle_count(),
+        "adapter": drawn.adapter,
+        "light_count": lights.lights.len(),
+        "flux_shares": { "lights": shares.lights, "residual": shares.residual },
+        "shadow_bytes": drawn.shadow_bytes,
+        "frame_milliseconds": drawn.frame_milliseconds,
+        "passes": drawn.passes,
+        "fit": lights.document(),
+    })
+}

@@ -1,0 +1,108 @@
+//! Options that several commands share: first their text, then what they mean.
+
+mod environment;
+mod inputs;
+
+pub use environment::{EnvironmentSpec, load_environment};
+pub use inputs::{InputArgs, Inputs};
+
+use std::str::FromStr;
+
+use clap::Args;
+use gnomon::envmap::Projection;
+use gnomon::lights::FitOptions;
+
+/// How many lights a fit makes.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct FitArgs {
+    /// Number of lights [default: the fit's own choice]
+    #[arg(long, value_name = "N", conflicts_with = "threshold")]
+    light_count: Option<usize>,
+
+    /// Where the fit stops, above 0 and below 1; smaller makes more lights [default: the fit's own]
+    #[arg(long, value_name = "T")]
+    threshold: Option<f32>,
+}
+
+impl FitArgs {
+    /// What they ask of a fit.
+    pub fn options(&self) -> FitOptions {
+        FitOptions { light_count: self.light_count, threshold: self.threshold, ..FitOptions::default() }
+    }
+}
+
+/// Width and height of a picture, as `WIDTHxHEIGHT`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let sides = text.split_once(['x', 'X']).map(|(width, height)| (width.parse(), height.parse()));
+        match sides {
+            Some((Ok(width), Ok(height))) if width > 0 && height > 0 => Ok(Self { width, height }),
+            _ => Err("a size is WIDTHxHEIGHT in pixels, as in 640x480".to_owned()),
+        }
+    }
+}
+
+/// A finite number.
+///
+/// # Errors
+/// Says what was expected.
+pub fn finite(text: &str) -> Result<f32, String> {
+    match text.trim().parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("expected a finite number".to_owned()),
+    }
+}
+
+/// An exposure in stops within any camera's reach.
+///
+/// # Errors
+/// Says what was expected.
+pub fn stops(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|stops| stops.abs() <= 60.0).ok_or("expected stops from -60 to 60".to_owned())
+}
+
+/// A projection by its name.
+///
+/// # Errors
+/// Lists the names.
+pub fn projection(text: &str) -> Result<Projection, String> {
+    Projection::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = Projection::all().map(Projection::name).collect();
+        format!("known projections are {}", names.join(", "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_positive_numbers() {
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
+        for text in ["", "640", "x", "0x5", "5x0", "-1x5", "1e3x5", "99999999999x1", "1x2x3"] {
+            assert!(text.parse::<Size>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!(finite("-1.5"), Ok(-1.5));
+        assert!(
+            finite("nan").is_err()
+                && finite("inf").is_err()
+                && finite("1e99").is_err()
+                && finite("").is_err()
+        );
+        assert!(stops("61").is_err() && stops("-3") == Ok(-3.0));
+    }
+}

@@ -1,0 +1,67 @@
+//! Results to files. Each is complete or not there.
+
+use std::io;
+use std::path::Path;
+
+use gnomon::image::tonemap::{ToneMapping, tone_mapped};
+use gnomon::image::{RgbImage, atomic};
+use serde::Serialize;
+
+use crate::error::CliError;
+
+/// Whether a file name asks for linear radiance (EXR) rather than for a displayed picture.
+pub fn is_linear(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
+}
+
+/// Refuses a name that no writer takes before hours of work go into it.
+///
+/// # Errors
+/// [`CliError::Usage`]: the extension is not one of `extensions`, or the folder is not there.
+pub fn check(path: &Path, extensions: &[&str]) -> Result<(), CliError> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    if !extension.is_some_and(|extension| extensions.contains(&extension.as_str())) {
+        let known =
+            extensions.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
+        return Err(CliError::usage(format!(
+            "cannot write {}: the name must end in {known}",
+            path.display()
+        )));
+    }
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(CliError::usage(format!(
+            "cannot write {}: there is no folder {}",
+            path.display(),
+            folder.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes radiance: EXR as it is, PNG exposed by `exposure` stops and tone-mapped.
+///
+/// # Errors
+/// As [`gnomon::image::write`].
+pub fn write_radiance(path: &Path, radiance: &RgbImage, exposure: f32) -> Result<(), CliError> {
+    if is_linear(path) {
+        gnomon::image::write(path, radiance)?;
+    } else {
+        gnomon::image::write(path, &tone_mapped(radiance, ToneMapping::default(), exposure))?;
+    }
+    Ok(())
+}
+
+/// Writes text.
+///
+/// # Errors
+/// [`CliError::Write`].
+pub fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
+    atomic::write::<io::Error>(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|source| CliError::Write { path: path.to_owned(), source })
+}
+
+/// Indented JSON. Numbers that JSON lacks (infinity) become `null`.
+pub fn json(value: &impl Serialize) -> String {
+    // Only maps with keys that are no strings can fail, and the commands have none.
+    serde_json::to_string_pretty(value).unwrap_or_default()
+}

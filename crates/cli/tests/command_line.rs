@@ -1,0 +1,93 @@
+//! Help, wrong arguments, closed pipes: what everyone meets first.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod support;
+
+use std::io::Read;
+use std::process::Stdio;
+
+use support::{command, files, gnomon};
+
+const COMMANDS: [&str; 7] = ["render", "reference", "decompose", "compare", "info", "bench", "demo"];
+
+#[test]
+fn help_names_every_command_and_every_command_has_help() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = gnomon(folder.path(), &["--help"]).succeeded();
+    assert!(help.err.is_empty());
+    for name in COMMANDS {
+        assert!(help.out.contains(&format!("\n  {name} ")), "{name} is missing in\n{}", help.out);
+        let own = gnomon(folder.path(), &[name, "--help"]).succeeded();
+        assert!(own.out.contains("Usage: gnomon"), "{}", own.out);
+    }
+}
+
+#[test]
+fn version_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = gnomon(folder.path(), &["--version"]).succeeded();
+    assert_eq!(run.out.trim(), format!("gnomon {}", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn wrong_arguments_are_one_line_and_exit_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: &[(&[&str], &str)] = &[
+        (&[], "--help"),
+        (&["paint"], "'paint'"),
+        (&["render"], "required"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--size", "0x4"], "640x480"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.jpg"], ".png or .exr"),
+        (&["render", "three-boxes", "--env", "room", "-o", "absent/a.png"], "no folder absent"),
+        (&["render", "three-boxes", "-o", "a.png", "--size", "8x8"], "--env"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--lights", "lamps"], "lamps"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--ground", "lava"], "'lava'"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--camera", "eye=1,2"], "eye"),
+        (&["render", "absent.glb", "--env", "room", "-o", "a.png"], "'absent.glb'"),
+        (&["reference", "three-boxes", "--env", "absent.hdr", "-o", "a.exr"], "'absent.hdr'"),
+        (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--spp", "0"], "samples"),
+        (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--env-rotation", "nan"], "finite"),
+        (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--size", "99999x99999"], "too large"),
+        (&["decompose", "room", "--light-count", "3", "--threshold", "0.1"], "--threshold"),
+        (&["decompose", "room", "--threshold", "2"], "threshold 2"),
+        (&["decompose", "room", "--method", "cubes"], "cubes"),
+        (&["decompose", "room", "--projection", "mercator"], "equirect"),
+        (&["compare", "a.png"], "required"),
+        (&["compare", "a.png", "b.png"], "a.png"),
+        (&["compare", "a.png", "b.png", "--region", "x=1"], "NAME=X,Y"),
+        (&["bench", "fits", "--repeats", "0"], "repeats"),
+    ];
+    for (arguments, part) in cases {
+        let run = gnomon(folder.path(), arguments).failed(part);
+        assert!(run.out.is_empty(), "{arguments:?} printed {}", run.out);
+    }
+    assert!(files(folder.path()).is_empty(), "a failed command left {:?}", files(folder.path()));
+}
+
+/// As in `gnomon info | head -1`: the reader goes away, and that is no failure.
+#[test]
+fn a_closed_pipe_is_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["decompose", "room", "--method", "rectangles", "--light-count", "500"];
+    // Longer than a pipe holds, so that the command is still writing when the reader goes.
+    assert!(gnomon(folder.path(), &arguments).succeeded().out.len() > 1 << 17);
+    let mut child =
+        command(folder.path(), &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut first = [0; 16];
+    child.stdout.take().unwrap().read_exact(&mut first).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty());
+}
+
+#[test]
+fn info_lists_what_there_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = gnomon(folder.path(), &["info"]).succeeded().out;
+    for part in ["adapters", "OpenEXR", "glTF", "equirect", "disks"] {
+        assert!(text.contains(part), "{part} is missing in\n{text}");
+    }
+    let json = gnomon(folder.path(), &["info", "--json"]).succeeded().json();
+    assert!(json["adapters"].is_array() && json["light_fits"].as_array().unwrap().len() >= 3);
+}

@@ -1,0 +1,109 @@
+//! From names on the command line to pictures on disk.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod support;
+
+use gnomon::metrics::compare;
+use gnomon::metrics::tolerances::FLUX;
+use support::{can_render, files, gnomon};
+
+#[test]
+fn decompose_writes_lights_residual_and_preview() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = gnomon(folder.path(), &["decompose", "room"]).succeeded().json();
+    assert_eq!(json["method"], "disks");
+    assert!(!json["lights"].as_array().unwrap().is_empty());
+    for channel in 0..3 {
+        let flux = |name: &str| json[name][channel].as_f64().unwrap();
+        let lights: f64 =
+            json["lights"].as_array().unwrap().iter().map(|l| l["flux"][channel].as_f64().unwrap()).sum();
+        assert!((lights + flux("residual_flux") - flux("total_flux")).abs() <= FLUX * flux("total_flux"));
+    }
+
+    let outputs = ["-o", "lights.json", "--residual", "rest.exr", "--preview", "preview.png"];
+    let run =
+        gnomon(folder.path(), &[&["decompose", "sky", "--env-rotation", "90"][..], &outputs[..]].concat());
+    assert!(run.succeeded().out.is_empty());
+    assert_eq!(files(folder.path()), ["lights.json", "preview.png", "rest.exr"]);
+    let rest = gnomon::image::read(folder.path().join("rest.exr")).unwrap().image;
+    assert_eq!((rest.width(), rest.height()), (1024, 512));
+}
+
+#[test]
+fn reference_is_seeded_and_its_variance_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = |seed: &str, name: &str| {
+        let scene = ["reference", "three-boxes", "--env", "room", "--size", "16x12", "--spp", "64"];
+        let run = gnomon(
+            folder.path(),
+            &[&scene[..], &["--seed", seed, "-o", name, "--variance", "var.exr"]].concat(),
+        );
+        assert!(run.succeeded().err.is_empty(), "no progress bar without a terminal");
+        gnomon::image::read(folder.path().join(name)).unwrap().image
+    };
+    let (first, again, other) = (trace("1", "a.exr"), trace("1", "b.exr"), trace("2", "c.exr"));
+    assert_eq!(first, again);
+    assert_ne!(first, other);
+    assert!(compare(&other, &first, None).unwrap().relative_rmse < 0.1);
+    let variance = gnomon::image::read(folder.path().join("var.exr")).unwrap().image;
+    assert!(variance.texels().iter().all(|v| v.min_element() >= 0.0));
+    assert!(variance.texels().iter().any(|v| v.max_element() > 0.0));
+}
+
+/// The picture is near the truth, and far from it without its shadows: the planted fault.
+#[test]
+fn render_is_near_the_reference_and_without_shadows_it_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    let scene = ["three-boxes", "--env", "room", "--size", "64x48"];
+    let run = |arguments: &[&str]| gnomon(folder.path(), &[arguments, &scene[..]].concat()).succeeded();
+    run(&["reference", "-o", "truth.exr", "--spp", "1024"]);
+    run(&["render", "-o", "picture.exr"]);
+    run(&["render", "-o", "flat.exr", "--shadows", "none"]);
+    run(&["render", "-o", "disks.png", "--lights", "disks", "--stats", "stats.json"]);
+    let error = |name: &str| {
+        let json = gnomon(folder.path(), &["compare", name, "truth.exr"]).succeeded().json();
+        json["relative_rmse"].as_f64().unwrap()
+    };
+    let (drawn, flat) = (error("picture.exr"), error("flat.exr"));
+    assert!(drawn < gnomon::metrics::tolerances::GPU_RELATIVE_RMSE, "{drawn}");
+    assert!(flat > 1.5 * drawn, "{flat} without shadows, {drawn} with them");
+
+    let stats: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("stats.json")).unwrap()).unwrap();
+    assert_eq!(
+        stats["light_count"].as_u64().unwrap(),
+        stats["fit"]["lights"].as_array().unwrap().len() as u64
+    );
+    let passes: Vec<&str> =
+        stats["passes"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
+    assert!(passes.contains(&"shadow maps") && passes.contains(&"shade"), "{passes:?}");
+    assert!(stats["frame_milliseconds"].as_f64().unwrap() > 0.0);
+    assert!(stats["adapter"]["name"].is_string());
+}
+
+#[test]
+fn bench_times_every_fit() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = gnomon(folder.path(), &["bench", "fits", "--repeats", "1", "--json"]).succeeded().json();
+    let fits = json["fits"].as_array().unwrap();
+    assert!(fits.len() >= 3 && fits.iter().all(|fit| fit["median_milliseconds"].as_f64().unwrap() > 0.0));
+}
+
+#[test]
+fn a_scene_file_brings_its_environment_and_an_unknown_adapter_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let quad = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n";
+    std::fs::write(folder.path().join("quad.obj"), quad).unwrap();
+    gnomon(
+        folder.path(),
+        &["reference", "quad.obj", "--env", "sky", "-o", "a.exr", "--size", "8x6", "--spp", "2"],
+    )
+    .succeeded();
+    gnomon(folder.path(), &["render", "quad.obj", "--env", "sky", "-o", "b.png", "--adapter", "abacus"])
+        .failed("abacus");
+    assert_eq!(files(folder.path()), ["a.exr", "quad.obj"]);
+}
