@@ -1,81 +1,78 @@
 use glam::{DVec2, Vec3};
-use gnomon_image::LUMINANCE;
 use gnomon_lights::{DistantLight, LightShape};
 
-use crate::environment::{EnvironmentSampler, choose};
+use crate::environment::{Aim, EnvironmentSampler, IMPORTANCE, choose_weighted};
 
-/// Light from infinity: a map, area lights, or both, drawn in proportion to their luminous flux.
+/// Light from infinity: a map, area lights, or both.
 pub(crate) struct Illumination<'a> {
     map: Option<EnvironmentSampler<'a>>,
     lights: Vec<AreaLight>,
-    /// Cumulative chance of the map (first) and of every light, ending at 1; empty for darkness.
-    cumulative: Vec<f64>,
 }
 
-/// A direction drawn towards a light.
-pub(crate) struct LightSample {
-    pub(crate) wi: Vec3,
-    pub(crate) radiance: Vec3,
-    /// Density over everything that shines from there [1/sr].
-    pub(crate) pdf: f64,
+/// The illumination as a surface with a given normal samples it: every part in proportion to its flux times a bound
+/// of the cosine.
+pub(crate) struct Aimed<'l, 'a> {
+    illumination: &'l Illumination<'a>,
+    n: Vec3,
+    map: Option<(&'l EnvironmentSampler<'a>, Aim)>,
+    /// Sum of the weights of map and lights.
+    total: f64,
 }
 
 impl<'a> Illumination<'a> {
     pub(crate) fn new(map: Option<EnvironmentSampler<'a>>, lights: &[DistantLight]) -> Self {
-        let lights: Vec<AreaLight> = lights.iter().filter_map(AreaLight::new).collect();
-        let map_flux = map.as_ref().map_or(0.0, EnvironmentSampler::luminous_flux);
-        let mut total = 0.0;
-        let mut cumulative: Vec<f64> = std::iter::once(map_flux)
-            .chain(lights.iter().map(|light| light.luminous_flux))
-            .map(|flux| {
-                total += flux;
-                total
-            })
-            .collect();
-        if total > 0.0 && total.is_finite() {
-            cumulative.iter_mut().for_each(|weight| *weight /= total);
-        } else {
-            cumulative.clear();
-        }
-        Self { map, lights, cumulative }
+        Self { map, lights: lights.iter().filter_map(AreaLight::new).collect() }
     }
 
-    /// A direction drawn by `u` and `u_choice`, each in `[0, 1)`; `None` where nothing shines.
-    pub(crate) fn sample(&self, u: DVec2, u_choice: f64) -> Option<LightSample> {
-        if self.cumulative.is_empty() {
-            return None;
-        }
-        let wi = match choose(&self.cumulative, u_choice).0 {
-            0 => self.map.as_ref()?.sample(u)?,
-            light => self.lights[light - 1].sample(u),
-        };
-        let (radiance, pdf) = self.evaluate(wi);
-        (pdf > 0.0).then_some(LightSample { wi, radiance, pdf })
+    /// For a surface with the unit normal `n`.
+    pub(crate) fn aim(&self, n: Vec3) -> Aimed<'_, 'a> {
+        let map = self.map.as_ref().map(|map| (map, map.aim(n)));
+        let lights: f64 = self.lights.iter().map(|light| f64::from(light.weight(n))).sum();
+        let total = map.as_ref().map_or(0.0, |(_, aim)| aim.total) + lights;
+        Aimed { illumination: self, n, map, total }
     }
+}
 
-    /// Radiance from a direction, and the density with which [`Illumination::sample`] draws it [1/sr].
-    pub(crate) fn evaluate(&self, wi: Vec3) -> (Vec3, f64) {
-        let Some(&map_chance) = self.cumulative.first() else { return (Vec3::ZERO, 0.0) };
-        let mut radiance = Vec3::ZERO;
-        let mut pdf = 0.0;
-        if let Some(map) = &self.map {
-            radiance = map.radiance(wi);
-            pdf = map_chance * map.pdf(wi, radiance);
-        }
-        for (light, chances) in self.lights.iter().zip(self.cumulative.windows(2)) {
-            if let Some(light_pdf) = light.pdf(wi) {
-                radiance += light.radiance;
-                pdf += (chances[1] - chances[0]) * light_pdf;
+impl Aimed<'_, '_> {
+    /// A direction drawn by `u` and `u_choice`, each in `[0, 1)`; `None` where nothing shines on the surface.
+    pub(crate) fn sample(&self, u: DVec2, u_choice: f64) -> Option<Vec3> {
+        let lights = &self.illumination.lights;
+        let map_weight = self.map.as_ref().map_or(0.0, |(_, aim)| aim.total);
+        let choice = u_choice * self.total;
+        match &self.map {
+            Some((map, aim)) if choice < map_weight || lights.is_empty() => map.sample(aim, u),
+            _ => {
+                let u_light = (choice - map_weight) / (self.total - map_weight);
+                let weights = lights.iter().map(|light| light.weight(self.n));
+                Some(lights[choose_weighted(weights, u_light)?.0].sample(u))
             }
         }
-        (radiance, pdf)
+    }
+
+    /// Radiance from a direction, and the density with which [`Aimed::sample`] draws it [1/sr].
+    pub(crate) fn evaluate(&self, wi: Vec3) -> (Vec3, f64) {
+        let mut radiance = Vec3::ZERO;
+        let mut density = 0.0;
+        if let Some((map, aim)) = &self.map {
+            radiance = map.radiance(wi);
+            density = aim.total * map.pdf(aim, wi, radiance);
+        }
+        for light in &self.illumination.lights {
+            if let Some(light_pdf) = light.pdf(wi) {
+                radiance += light.radiance;
+                density += f64::from(light.weight(self.n)) * light_pdf;
+            }
+        }
+        (radiance, if self.total > 0.0 { density / self.total } else { 0.0 })
     }
 }
 
 /// A [`DistantLight`] prepared for sampling.
 struct AreaLight {
     radiance: Vec3,
-    luminous_flux: f64,
+    flux: f32,
+    /// Sine of the angle from `direction` to the farthest point of the outline, a little more.
+    sine: f32,
     direction: Vec3,
     tangent: Vec3,
     bitangent: Vec3,
@@ -119,19 +116,26 @@ impl AreaLight {
                 Outline::Quadrilateral { corners, area, first: half(a, b, c) / area }
             }
         };
-        let luminous_flux = f64::from(light.radiance.dot(LUMINANCE)) * f64::from(light.solid_angle);
+        let flux = light.radiance.dot(IMPORTANCE) * light.solid_angle;
+        let tangent = light.tan_half_extent().length();
         let extent = match outline {
             Outline::Disk { one_minus_cos } => one_minus_cos,
             Outline::Quadrilateral { area, .. } => area,
         };
-        (luminous_flux > 0.0 && extent > 0.0).then_some(Self {
+        (flux > 0.0 && extent > 0.0).then_some(Self {
             radiance: light.radiance,
-            luminous_flux,
+            flux,
+            sine: tangent / (1.0 + tangent * tangent).sqrt() + 1e-3,
             direction: light.direction,
             tangent: light.tangent,
             bitangent: light.bitangent,
             outline,
         })
+    }
+
+    /// Flux times a bound of the cosine at a surface; 0 only where the whole light is under the horizon.
+    fn weight(&self, n: Vec3) -> f32 {
+        self.flux * (n.dot(self.direction) + self.sine).max(0.0)
     }
 
     /// A direction inside the outline.
@@ -201,15 +205,18 @@ mod tests {
         let lights = lights();
         let expected: DVec3 = lights.iter().map(DistantLight::flux).sum();
         let illumination = Illumination::new(None, &lights);
+        // Every light is above this surface.
+        let aimed = illumination.aim(Vec3::new(0.3, 0.8, -0.5).normalize());
         let sequence = Sequence::new(1, 2, 3);
         let count = 1 << 14;
         let mut sum = DVec3::ZERO;
         for index in 0..count {
-            let u = sequence.pair(index, Decision::LightDirection);
-            let choice = sequence.pair(index, Decision::LightAndLobe).x;
-            let sample = illumination.sample(u, choice).unwrap();
-            assert!(lights.iter().any(|light| light.contains(sample.wi)) || sample.pdf > 0.0);
-            sum += sample.radiance.as_dvec3() / sample.pdf;
+            let u = sequence.pair(index, Decision::Direction);
+            let choice = sequence.pair(index, Decision::Choice).x;
+            let (radiance, pdf) = aimed.evaluate(aimed.sample(u, choice).unwrap());
+            if pdf > 0.0 {
+                sum += radiance.as_dvec3() / pdf;
+            }
         }
         let flux = sum / f64::from(count);
         assert!((flux / expected - 1.0).abs().max_element() < 5e-3, "{flux} against {expected}");
@@ -222,7 +229,7 @@ mod tests {
         for light in &lights {
             let area = AreaLight::new(light).unwrap();
             for index in 0..2000 {
-                let u = sequence.pair(index, Decision::Reflection);
+                let u = sequence.pair(index, Decision::Direction);
                 let d = gnomon_envmap::Equirect::direction_from_uv(u.as_vec2());
                 assert_eq!(area.pdf(d).is_some(), light.contains(d), "{light:?} {d}");
                 assert!(area.pdf(area.sample(0.001 + 0.998 * u)).is_some(), "{light:?} {u}");
@@ -232,7 +239,8 @@ mod tests {
 
     #[test]
     fn darkness_has_no_samples() {
-        let dark = Illumination::new(None, &[]);
+        let nothing = Illumination::new(None, &[]);
+        let dark = nothing.aim(Vec3::Y);
         assert!(dark.sample(DVec2::splat(0.3), 0.2).is_none());
         assert_eq!(dark.evaluate(Vec3::X), (Vec3::ZERO, 0.0));
     }

@@ -6,18 +6,14 @@ use glam::{DVec2, Vec2};
 pub(crate) enum Decision {
     /// Place in the pixel.
     Pixel,
-    /// Direction in the chosen light.
-    LightDirection,
-    /// Which light, which lobe.
-    LightAndLobe,
-    /// Direction from the reflectance model.
-    Reflection,
-    /// The same for the light that casts no shadows.
-    UnshadowedLightDirection,
-    /// The same for the light that casts no shadows.
-    UnshadowedLightAndLobe,
-    /// The same for the light that casts no shadows.
-    UnshadowedReflection,
+    /// Direction of the light.
+    Direction,
+    /// Light or reflectance; which light, which lobe.
+    Choice,
+    /// Direction of the light that casts no shadows.
+    UnshadowedDirection,
+    /// The choices for the light that casts no shadows.
+    UnshadowedChoice,
 }
 
 /// Owen-scrambled Sobol points, two dimensions at a time, every pair of dimensions shuffled and scrambled on its own
@@ -103,9 +99,7 @@ mod tests {
 
     #[test]
     fn powers_of_two_fill_every_stratum_once() {
-        for (pixel, decision) in
-            [(0, Decision::Pixel), (17, Decision::LightDirection), (99, Decision::Reflection)]
-        {
+        for (pixel, decision) in [(0, Decision::Pixel), (17, Decision::Direction), (99, Decision::Choice)] {
             let sequence = Sequence::new(5, pixel, 3);
             for (columns, rows) in [(32, 1), (1, 32), (8, 4), (4, 8), (16, 2)] {
                 let mut seen = vec![0; 32];

@@ -1,5 +1,5 @@
 use glam::{Mat3, Vec3, Vec3A};
-use gnomon_scene::{AlphaMode, MeshId, Scene};
+use gnomon_scene::{AlphaMode, MeshId, Scene, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -26,7 +26,7 @@ pub(crate) struct TracedScene<'a> {
 /// A placed mesh.
 struct Instance {
     mesh: MeshId,
-    /// Inverse transpose of the linear part of `world_from_mesh`.
+    /// Takes normals to world space, up to their length.
     normal_from_mesh: Mat3,
     /// Has an alpha mask.
     has_holes: bool,
@@ -80,13 +80,10 @@ impl<'a> TracedScene<'a> {
         let mut instances = Vec::new();
         let mut triangles = Vec::with_capacity(count);
         for (mesh, world_from_mesh) in scene.instances() {
-            let linear = Mat3::from(world_from_mesh.matrix3);
-            let inverse_transpose = linear.inverse().transpose();
             let instance = instances.len() as u32;
             instances.push(Instance {
                 mesh,
-                // A placement squashed flat has no inverse; its triangles' own normals serve (see `hit_point`).
-                normal_from_mesh: if inverse_transpose.is_finite() { inverse_transpose } else { Mat3::ZERO },
+                normal_from_mesh: normal_matrix(&world_from_mesh),
                 has_holes: scene.material(mesh).alpha_mode != AlphaMode::Opaque,
             });
             let mesh = &scene.meshes[mesh.0];
@@ -181,10 +178,12 @@ impl Triangle {
         let u = e0.cross(v2 + v0).dot(direction);
         let v = e1.cross(v0 + v1).dot(direction);
         let w = e2.cross(v1 + v2).dot(direction);
-        if u.min(v).min(w) < 0.0 && u.max(v).max(w) > 0.0 {
+        let sum = u + v + w;
+        // Signs agree along an edge but not always around a corner, where all three may round the wrong way.
+        let rounding = f32::EPSILON * sum.abs();
+        if u.min(v).min(w) < -rounding && u.max(v).max(w) > rounding {
             return None;
         }
-        let sum = u + v + w;
         let normal = e1.cross(e0);
         let denominator = normal.dot(direction);
         if sum == 0.0 || denominator == 0.0 {
@@ -235,3 +234,114 @@ const SEARCH_DEPTH: usize = 3;
 const REINSERTION_RATIO: f32 = 0.05;
 const MAX_LEAF_TRIANGLES: u32 = 8;
 const TRAVERSAL_COST: f32 = 3.0;
+
+#[cfg(test)]
+mod tests {
+    use glam::Affine3A;
+    use gnomon_scene::{Mesh, Node};
+
+    use super::*;
+    use crate::sampler::{Decision, Sequence};
+
+    fn scene(mesh: Mesh) -> Scene {
+        let node = Node {
+            name: String::new(),
+            parent: None,
+            parent_from_node: Affine3A::IDENTITY,
+            meshes: vec![MeshId(0)],
+        };
+        Scene { meshes: vec![mesh], nodes: vec![node], ..Scene::default() }
+    }
+
+    /// Uniform numbers, three at a time, in -1..1.
+    fn random(index: u32) -> Vec3 {
+        let sequence = Sequence::new(9, index, 0);
+        let (a, b) = (sequence.pair(0, Decision::Pixel), sequence.pair(0, Decision::Choice));
+        2.0 * Vec3::new(a.x as f32, a.y as f32, b.x as f32) - 1.0
+    }
+
+    /// Small random triangles, some without area, some not finite, at `scale` metres.
+    fn soup(scale: f32) -> Scene {
+        let mut mesh = Mesh::default();
+        for triangle in 0..500 {
+            let centre = random(triangle);
+            for corner in 0..3 {
+                mesh.positions.push(scale * (centre + 0.2 * random(1000 + 3 * triangle + corner)));
+            }
+            mesh.triangles.push([3 * triangle, 3 * triangle + 1, 3 * triangle + 2]);
+        }
+        mesh.positions[4] = mesh.positions[3];
+        mesh.positions[7] = Vec3::new(f32::NAN, 0.0, 0.0);
+        mesh.positions[10] = Vec3::new(f32::INFINITY, 0.0, 0.0);
+        scene(mesh)
+    }
+
+    #[test]
+    fn the_bvh_finds_what_trying_every_triangle_finds() {
+        for scale in [1e-4, 1.0, 1e4] {
+            let scene = soup(scale);
+            let traced = TracedScene::new(&scene).unwrap();
+            assert_eq!(traced.triangles.len(), 497);
+            let mut hits = 0;
+            for index in 0..3000 {
+                let origin = 1.5 * scale * random(5000 + index);
+                let ray = Ray { origin, direction: random(9000 + index).normalize() };
+                let expected = traced
+                    .triangles
+                    .iter()
+                    .filter_map(|triangle| triangle.intersect(&ray).map(|(t, _)| t))
+                    .min_by(f32::total_cmp);
+                let found = traced.closest_hit(&ray);
+                let distance = found.and_then(|hit| traced.distance(&ray, hit.triangle as usize));
+                assert_eq!(distance, expected);
+                assert_eq!(traced.is_occluded(&ray), expected.is_some());
+                hits += usize::from(expected.is_some());
+            }
+            assert!(hits > 500, "{hits} hits");
+        }
+    }
+
+    /// No ray leaves a closed surface, least of all through its edges and corners.
+    #[test]
+    fn closed_surfaces_are_tight() {
+        let mut mesh = Mesh::default();
+        let (rings, sectors) = (12, 16);
+        for ring in 0..=rings {
+            let (sin, cos) = (std::f32::consts::PI * ring as f32 / rings as f32).sin_cos();
+            for sector in 0..sectors {
+                let (s, c) = (std::f32::consts::TAU * sector as f32 / sectors as f32).sin_cos();
+                mesh.positions.push(Vec3::new(sin * c + 3.0, cos, sin * s));
+            }
+        }
+        for ring in 0..rings {
+            for sector in 0..sectors {
+                let next = (sector + 1) % sectors;
+                let [a, b] = [ring * sectors + sector, ring * sectors + next];
+                mesh.triangles.extend([[a, b, a + sectors], [b, b + sectors, a + sectors]]);
+            }
+        }
+        let targets: Vec<Vec3> = mesh
+            .triangles
+            .iter()
+            .flat_map(|t| {
+                let [a, b, c] = t.map(|index| mesh.positions[index as usize]);
+                [a, 0.5 * (a + b), 0.5 * (b + c), a.lerp(c, 0.3)]
+            })
+            .collect();
+        let scene = scene(mesh);
+        let traced = TracedScene::new(&scene).unwrap();
+        for (index, target) in targets.into_iter().enumerate() {
+            let origin = Vec3::new(3.0, 0.0, 0.0) + 0.3 * random(index as u32);
+            let ray = Ray { origin, direction: (target - origin).normalize() };
+            assert!(traced.is_occluded(&ray), "a ray escapes at {target}");
+        }
+    }
+
+    #[test]
+    fn rays_that_are_not_numbers_hit_nothing() {
+        let scene = soup(1.0);
+        let traced = TracedScene::new(&scene).unwrap();
+        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::splat(f32::NAN) };
+        assert!(traced.closest_hit(&ray).is_none() && !traced.is_occluded(&ray));
+    }
+}

@@ -7,8 +7,7 @@ use glam::{Affine3A, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
-use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Scene};
-use serde_json::Value;
+use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Projection, Scene};
 
 /// A scene of meshes, each with its surface, placed where they are.
 pub fn scene(parts: Vec<(Mesh, Surface)>) -> Scene {
@@ -64,37 +63,12 @@ pub fn constant_environment(radiance: Vec3) -> Equirect {
     Equirect::new(RgbImage::filled(16, 8, radiance))
 }
 
-/// Looks straight down at the origin from `height`, seeing about `width` metres there.
-pub fn downward_camera(height: f32, width: f32) -> Camera {
-    Camera::look_at(Vec3::new(0.0, height, 0.0), Vec3::ZERO, 2.0 * (0.5 * width / height).atan())
+/// A parallel camera at `height` over the origin that looks straight down at a strip `width` metres across.
+pub fn downward_strip(height: f32, width: f32) -> Camera {
+    let camera = Camera::look_at(Vec3::new(0.0, height, 0.0), Vec3::ZERO, 1.0);
+    Camera { projection: Projection::Orthographic { half_width: 0.5 * width }, ..camera }
 }
 
 pub fn read_environment(path: &Path) -> Equirect {
     Equirect::new(gnomon_image::read(path).unwrap().image)
-}
-
-/// The meshes of a glTF binary whose primitives have positions and 32-bit indices and nothing else, Lambert 0.5.
-pub fn read_plain_glb(path: &Path) -> Scene {
-    let bytes = std::fs::read(path).unwrap();
-    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    let json_length = word(12) as usize;
-    let json: Value = serde_json::from_slice(&bytes[20..20 + json_length]).unwrap();
-    let binary = 20 + json_length + 8;
-    let words = |accessor: &Value, per_item: usize| -> Vec<u32> {
-        let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
-        let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
-        let start = binary + view["byteOffset"].as_u64().unwrap_or(0) as usize;
-        let count = accessor["count"].as_u64().unwrap() as usize * per_item;
-        (0..count).map(|i| word(start + 4 * i)).collect()
-    };
-    let parts = json["meshes"].as_array().unwrap().iter().map(|mesh| {
-        let primitive = &mesh["primitives"][0];
-        let positions = words(&primitive["attributes"]["POSITION"], 3);
-        let positions =
-            positions.chunks_exact(3).map(|p| Vec3::from([p[0], p[1], p[2]].map(f32::from_bits))).collect();
-        let indices = words(&primitive["indices"], 1);
-        let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-        (Mesh { positions, triangles, ..Mesh::default() }, lambert(0.5))
-    });
-    scene(parts.collect())
 }
