@@ -2,10 +2,11 @@
 //! and only the wanted layer and level are decompressed.
 
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use ::exr::block::UncompressedBlock;
-use ::exr::block::chunk::Chunk;
+use ::exr::block::chunk::{Chunk, CompressedBlock};
 use ::exr::block::reader::{ChunksReader, Reader};
 use ::exr::meta::attribute::{EnvironmentMap, SampleType};
 use ::exr::meta::header::Header;
@@ -240,7 +241,39 @@ fn read_texels(
 }
 
 fn decompress(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, DecodeError> {
-    UncompressedBlock::decompress_chunk(chunk, meta, false).map_err(from_exr)
+    check_counters(&chunk, meta)?;
+    // The crate's B44 decoder overflows on damaged blocks, which panics in builds that check arithmetic; a block is a
+    // closed unit of work, so nothing half-changed is seen afterwards.
+    let outcome = catch_unwind(AssertUnwindSafe(|| UncompressedBlock::decompress_chunk(chunk, meta, false)));
+    outcome.unwrap_or_else(|_| Err(::exr::error::Error::Invalid("compressed block".into()))).map_err(from_exr)
+}
+
+/// A DWA block begins with eleven counts, by which the crate allocates without a look at the block's size.
+fn check_counters(chunk: &Chunk, meta: &MetaData) -> Result<(), DecodeError> {
+    let header = meta.headers.get(chunk.layer_index).ok_or_else(|| malformed("a block's layer"))?;
+    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return Ok(());
+    }
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
+    };
+    let place = header.get_block_data_indices(&chunk.compressed_block).map_err(from_exr)?;
+    let Vec2(width, height) = header.get_absolute_block_pixel_coordinates(place).map_err(from_exr)?.size;
+    let texel_bytes = header.channels.bytes_per_pixel as u64;
+    if bytes.len() as u64 == width as u64 * height as u64 * texel_bytes {
+        return Ok(());
+    }
+    // Cosine transforms pad each side to a multiple of eight; run lengths may add a little.
+    let most = 2 * (width as u64 + 7) * (height as u64 + 7) * texel_bytes + 1024;
+    let counter = |index: usize| {
+        let bytes = bytes.get(8 * index..8 * index + 8)?;
+        Some(u64::from_le_bytes(bytes.try_into().ok()?))
+    };
+    // Uncompressed sizes of the sections in bytes, then counts of two-byte coefficients.
+    let sound = [1, 6, 7, 8, 9].iter().all(|&index| counter(index).is_some_and(|count| count <= most));
+    sound.then_some(()).ok_or_else(|| malformed("the counters of a DWA block exceed the block"))
 }
 
 fn insert(
