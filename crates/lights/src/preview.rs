@@ -38,7 +38,7 @@ pub fn preview(map: &Equirect, lights: &LightSet, width: u32) -> RgbImage {
                 if !outline.near(centre, reach) {
                     continue;
                 }
-                let distance = outline.pixels_from(at, &direction);
+                let distance = outline.pixels_from(at, direction);
                 colour = colour.lerp(Vec3::ZERO, 0.7 * coverage(distance, RIM));
                 colour = colour.lerp(outline.colour, coverage(distance, CORE));
             }

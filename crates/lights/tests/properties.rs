@@ -1,5 +1,7 @@
 //! Laws that hold for every fit on every map.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
 mod common;
 
 use common::{flux_error, is_physical, quarter_turn, turn_error};

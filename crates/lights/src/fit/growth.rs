@@ -53,9 +53,9 @@ impl Growth {
         };
         steps.into_iter().filter_map(move |step| {
             let mut grown = rect;
-            for axis in 0..2 {
-                grown.min[axis] = rect.min[axis].checked_sub(step[axis][0])?;
-                grown.max[axis] = rect.max[axis] + step[axis][1];
+            for (axis, [low, high]) in step.into_iter().enumerate() {
+                grown.min[axis] = rect.min[axis].checked_sub(low)?;
+                grown.max[axis] = rect.max[axis] + high;
             }
             (grown.max[0] <= size && grown.max[1] <= size).then_some(grown)
         })
