@@ -7,14 +7,19 @@ use crate::geometry::InstanceBox;
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
 const MARGIN_TEXELS: f32 = 2.0;
 
-/// Width, per metre of blocker distance, of the mip texel whose bilinear lookup has the outline's variance: a lookup of
-/// width w has variance w^2 / 4 an axis, a disk of radius r has r^2 / 4, a box of half widths a, b has (a^2 + b^2) / 6 on average.
+/// Variance, in squared texels of its level, of a bilinear lookup in the mip chain: 1/4 from the chain's kernel
+/// [1 3 3 1] / 8 and 1/6 on average from the interpolation.
+const LOOKUP_VARIANCE: f32 = 1.0 / 4.0 + 1.0 / 6.0;
+
+/// Width, per metre of blocker distance, of the mip texel whose bilinear lookup has the outline's variance: a disk of radius r
+/// has r^2 / 4 along each axis, a box of half widths a, b has (a^2 + b^2) / 6 on average.
 pub(crate) fn footprint(light: &DistantLight) -> f32 {
     let half = light.tan_half_extent();
-    match light.shape {
-        LightShape::Disk { .. } => half.x,
-        LightShape::Rectangle { .. } => 2.0 * (half.length_squared() / 6.0).sqrt(),
-    }
+    let variance = match light.shape {
+        LightShape::Disk { .. } => half.x * half.x / 4.0,
+        LightShape::Rectangle { .. } => half.length_squared() / 6.0,
+    };
+    (variance / LOOKUP_VARIANCE).sqrt()
 }
 
 /// The light as shaders see it, its shadow map fitted around the scene.

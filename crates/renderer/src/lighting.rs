@@ -7,7 +7,7 @@ use gnomon_lights::{DistantLight, LightSet};
 
 use crate::{Gpu, RenderError};
 
-/// Texels along the side of the environment BRDF's table.
+/// Texels along the side of the environment BRDF's table; the outermost ones stand for 0 and 1.
 const DFG_SIZE: u32 = 32;
 /// Height of the irradiance map: irradiance varies with the cosine of 180 degrees, so 5.6 degrees a texel is ample.
 const IRRADIANCE_HEIGHT: u32 = 32;
@@ -41,8 +41,9 @@ impl Lighting {
             });
         }
         let residual_sh = Sh9::project(&set.residual);
-        let dfg: Vec<Vec2> = gnomon_brdf::dfg_table(DFG_SIZE);
-        let dfg = RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| dfg[(y * DFG_SIZE + x) as usize].extend(0.0));
+        let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
+        let dfg =
+            RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
         let prefiltered = |map: &Equirect| {
             let filtered = PrefilteredMap::new(map, PREFILTERED_WIDTH, PREFILTERED_LEVELS);
             upload(gpu, "prefiltered", filtered.levels().iter().map(Equirect::radiance))

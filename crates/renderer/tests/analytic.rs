@@ -17,7 +17,8 @@ fn material(surface: Surface) -> Material {
 }
 
 fn fitted(map: &Equirect) -> LightSet {
-    let fit = gnomon_lights::fit::by_name("rectangles", &FitOptions::default()).unwrap();
+    let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
+    let fit = gnomon_lights::fit::by_name("rectangles", &options).unwrap();
     fit.fit(map).unwrap()
 }
 
@@ -46,7 +47,9 @@ fn constant_environment_over_lambert_is_albedo_times_radiance() {
                 .map(|texel| ((*texel - albedo * radiance).abs() / (albedo * radiance)).max_element())
                 .fold(0.0, f32::max);
             // Shadow maps of finite resolution darken the terminator of each light a little.
-            let tolerance = if shadows == "none" { tolerances::FURNACE as f32 } else { tolerances::GPU_FURNACE };
+            println!("{shadows} {}: off by {worst}", rule.name);
+            let tolerance =
+                if shadows == "none" { tolerances::FURNACE as f32 } else { tolerances::GPU_FURNACE };
             assert!(worst <= tolerance, "{shadows} {}: off by {worst}", rule.name);
         }
     }
@@ -59,26 +62,25 @@ fn a_ggx_furnace_gives_its_directional_albedo() {
     let set = LightSet::new("test", Vec::new(), map.clone());
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 5_f32.to_radians());
     for roughness in [0.1, 0.4, 0.7, 1.0] {
-        let surface = Surface {
-            base_color: Vec3::ONE,
-            metallic: 1.0,
-            roughness,
-            specular: 1.0,
-            ..Default::default()
-        };
+        let surface =
+            Surface { base_color: Vec3::ONE, metallic: 1.0, roughness, specular: 1.0, ..Default::default() };
         let scene = scene_of(vec![sphere()], material(surface));
         let settings = RenderSettings { shadows: "none".to_owned(), ..Default::default() };
         let frame = render(&gpu, settings, &scene, &map, &set, &camera, [4, 4]);
         let albedo = gnomon_brdf::dfg(1.0, roughness).element_sum();
         let seen = frame.radiance.get(2, 2).x;
-        assert!((seen - albedo).abs() < 2.0 * tolerances::FURNACE as f32, "roughness {roughness}: {seen}, {albedo}");
+        assert!(
+            (seen - albedo).abs() < 2.0 * tolerances::FURNACE as f32,
+            "roughness {roughness}: {seen}, {albedo}"
+        );
     }
 }
 
 #[test]
 fn the_background_is_the_environment() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let map = Equirect::new(RgbImage::from_fn(32, 16, |x, y| Vec3::new(x as f32, y as f32, (x * y % 7) as f32)));
+    let map =
+        Equirect::new(RgbImage::from_fn(32, 16, |x, y| Vec3::new(x as f32, y as f32, (x * y % 7) as f32)));
     let set = LightSet::new("test", Vec::new(), map.clone());
     let settings = RenderSettings { samples: 1, ..Default::default() };
     for target in [Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::new(0.1, 0.9, 0.2), Vec3::new(-0.3, -0.9, 0.1)] {
@@ -95,21 +97,28 @@ fn the_background_is_the_environment() {
     }
 }
 
-/// Visibility along x on the ground, under an occluder over x < 0 at `height` and a disk light straight above.
-fn penumbra_profile(gpu: &gnomon_renderer::Gpu, shadows: &str, height: f32, angular_radius: f32) -> Vec<f32> {
+/// Visibility along x, from -0.5 to 0.5, on the ground under an occluder over x < `edge` at `height` and a disk light straight
+/// above.
+fn penumbra_profile(
+    gpu: &gnomon_renderer::Gpu,
+    shadows: &str,
+    edge: f32,
+    height: f32,
+    angular_radius: f32,
+) -> Vec<f32> {
     let half = 2.0;
     let scene = scene_of(
         vec![
             horizontal(Vec2::splat(-half), Vec2::splat(half), 0.0),
-            horizontal(Vec2::splat(-half), Vec2::new(0.0, half), height),
+            horizontal(Vec2::splat(-half), Vec2::new(edge, half), height),
         ],
         material(Surface { base_color: Vec3::ONE, ..Default::default() }),
     );
     let set = one_disk(Vec3::Y, angular_radius);
-    // From the open side, below the occluder.
+    // From below the occluder.
     let camera = Camera {
         projection: gnomon_scene::Projection::Orthographic { half_width: 0.5 },
-        ..Camera::look_at(Vec3::new(0.0, 0.5 * height, 0.001), Vec3::ZERO, 1.0)
+        ..Camera::look_at(Vec3::new(0.0, 0.5 * height, 0.0), Vec3::ZERO, 1.0)
     };
     let settings = RenderSettings {
         shadows: shadows.to_owned(),
@@ -121,7 +130,8 @@ fn penumbra_profile(gpu: &gnomon_renderer::Gpu, shadows: &str, height: f32, angu
     let frame = render(gpu, settings, &scene, &no_light(), &set, &camera, [400, 5]);
     let sine = angular_radius.sin();
     // Irradiance pi sin^2 r over a white Lambert surface reflects sin^2 r.
-    (0..400).map(|x| frame.radiance.get(x, 2).x / (sine * sine)).collect()
+    // Looking down, the camera has world -x to its right.
+    (0..400).rev().map(|x| frame.radiance.get(x, 2).x / (sine * sine)).collect()
 }
 
 #[test]
@@ -129,20 +139,27 @@ fn convolution_shadows_give_the_closed_form_penumbra() {
     let Some(gpu) = gpu_or_skip() else { return };
     for (height, degrees) in [(1.0, 5.0), (1.0, 10.0), (0.6, 10.0)] {
         let radius = f32::to_radians(degrees);
-        let profile = penumbra_profile(&gpu, "convolution", height, radius);
-        let width = penumbra::disk_penumbra_width(&profile).unwrap() / 400.0;
         let expected = 2.0 * height * radius.tan();
-        println!("height {height} radius {degrees}: penumbra {width:.4}, closed form {expected:.4}");
-        assert!(profile[2] < 0.02, "umbra {}", profile[2]);
-        assert!((profile[397] - 1.0).abs() < 0.01, "full light {}", profile[397]);
-        assert!((width / expected - 1.0).abs() <= tolerances::PENUMBRA_WIDTH, "{width} against {expected}");
+        // Where the edge falls among the texels of a coarse level changes the width a little: several places.
+        let widths: Vec<f32> = [0.0, 0.013, 0.03, 0.057, 0.09]
+            .into_iter()
+            .map(|edge| {
+                let profile = penumbra_profile(&gpu, "convolution", edge, height, radius);
+                assert!(profile[2] < 0.02, "umbra {}", profile[2]);
+                assert!((profile[397] - 1.0).abs() < 0.01, "full light {}", profile[397]);
+                penumbra::disk_penumbra_width(&profile).unwrap() / 400.0
+            })
+            .collect();
+        let mean = widths.iter().sum::<f32>() / widths.len() as f32;
+        println!("height {height} radius {degrees}: penumbrae {widths:.4?}, closed form {expected:.4}");
+        assert!((mean / expected - 1.0).abs() <= tolerances::PENUMBRA_WIDTH, "{mean} against {expected}");
     }
 }
 
 #[test]
 fn a_hard_shadow_fails_the_penumbra_check() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let profile = penumbra_profile(&gpu, "hard", 1.0, 5_f32.to_radians());
+    let profile = penumbra_profile(&gpu, "hard", 0.03, 1.0, 5_f32.to_radians());
     let width = penumbra::disk_penumbra_width(&profile).unwrap() / 400.0;
     assert!((width / (2.0 * 5_f32.to_radians().tan()) - 1.0).abs() > tolerances::PENUMBRA_WIDTH, "{width}");
 }
@@ -150,7 +167,8 @@ fn a_hard_shadow_fails_the_penumbra_check() {
 #[test]
 fn moved_instances_draw_as_a_new_scene_does() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let mut scene = scene_of(vec![sphere(), horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), -1.0)], Material::default());
+    let mut scene =
+        scene_of(vec![sphere(), horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), -1.0)], Material::default());
     let map = constant_map(Vec3::ONE);
     let set = one_disk(Vec3::new(0.3, 0.9, 0.1).normalize(), 0.1);
     let camera = Camera::look_at(Vec3::new(2.0, 3.0, 5.0), Vec3::ZERO, 0.8);

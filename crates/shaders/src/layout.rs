@@ -99,9 +99,9 @@ pub struct ConvolutionParameters {
     pub sharpening_a: f32,
     pub sharpening_b: f32,
     pub depth_bias: f32,
-    pub padding_0: f32,
-    pub padding_1: f32,
-    pub padding_2: f32,
+    pub average_bias: f32,
+    pub footprint_scale: f32,
+    pub padding: f32,
 }
 
 #[repr(C)]

@@ -88,9 +88,9 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             sharpening_a,
             sharpening_b,
             depth_bias,
-            padding_0,
-            padding_1,
-            padding_2,
+            average_bias,
+            footprint_scale,
+            padding,
         }),
         fields!(ResolveParameters { samples, exposure, tone_mapping, padding }),
     ]

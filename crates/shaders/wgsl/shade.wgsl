@@ -29,7 +29,7 @@ fn light_form_factor(light: u32, n: vec3f) -> f32 {
 
 fn environment_brdf(n_dot_v: f32, roughness: f32) -> vec2f {
     let size = vec2f(textureDimensions(dfg_table));
-    let position = clamp(vec2f(n_dot_v, roughness) * size - 0.5, vec2f(0.0), size - 1.0);
+    let position = saturate(vec2f(n_dot_v, roughness)) * (size - 1.0);
     let low = vec2i(position);
     let high = min(low + 1, vec2i(size) - 1);
     let t = position - vec2f(low);

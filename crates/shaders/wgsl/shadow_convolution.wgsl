@@ -11,6 +11,9 @@
 @group(2) @binding(5) var linear_depth: texture_2d_array<f32>;
 @group(2) @binding(6) var trilinear: sampler;
 
+// Of the first kernel: less than this is blocked nowhere, up to the ringing of the series.
+const FULLY_LIT: f32 = 0.995;
+
 fn filtered_lit(light: u32, uv: vec2f, d: f32, level: f32) -> f32 {
     var s = 0.5;
     for (var group = 0u; group < parameters.groups; group++) {
@@ -48,24 +51,27 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
         return 1.0;
     }
     let texels_per_metre = parameters.resolution / lights[light].map_width_world;
-    // Box width in texels for a blocker one unit of scaled depth above the receiver.
+    // Width in texels of the mip level for a blocker one unit of scaled depth above the receiver.
     let width_per_depth =
-        lights[light].footprint * lights[light].depth_range_world / SERIES_DEPTH_SCALE * texels_per_metre;
-    let d = SERIES_DEPTH_SCALE * (receiver.z - parameters.depth_bias);
+        parameters.footprint_scale * lights[light].footprint * lights[light].depth_range_world / SERIES_DEPTH_SCALE * texels_per_metre;
+    let depth = SERIES_DEPTH_SCALE * receiver.z;
 
     // First kernel: where the cone to the light meets the near plane. It holds the final one, so where all of it is lit or
-    // all of it is dark, so is the point.
-    let first_level = min(level_from_width(width_per_depth * d), parameters.max_level);
-    let first_lit = filtered_lit(light, receiver.xy, d, first_level);
-    if first_lit >= parameters.white_point {
+    // all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
+    // less would mix the receiver's depth into the blockers'.
+    let d_average = depth - parameters.average_bias;
+    let first_level = min(level_from_width(width_per_depth * depth), parameters.max_level);
+    let first_lit = filtered_lit(light, receiver.xy, d_average, first_level);
+    if first_lit >= FULLY_LIT {
         return 1.0;
     }
     if first_lit <= parameters.black_point {
         return 0.0;
     }
-    let z_avg = average_blocker_depth(light, receiver.xy, d, first_level, first_lit);
-    let level = min(level_from_width(width_per_depth * (d - z_avg)), parameters.max_level);
-    let lit = filtered_lit(light, receiver.xy, d, level);
+    let z_avg = average_blocker_depth(light, receiver.xy, d_average, first_level, first_lit);
+    let blocker_distance = depth - z_avg;
+    let level = min(level_from_width(width_per_depth * blocker_distance), parameters.max_level);
+    let lit = filtered_lit(light, receiver.xy, depth - parameters.depth_bias, level);
     let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);
-    return sharpen(clean, d - z_avg, parameters.sharpening_a, parameters.sharpening_b);
+    return sharpen(clean, blocker_distance, parameters.sharpening_a, parameters.sharpening_b);
 }

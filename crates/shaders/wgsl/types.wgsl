@@ -30,7 +30,7 @@ struct Light {
     // [sr]
     solid_angle: f32,
     radiance: vec3f,
-    // Width of the box-filtered mip texel whose variance equals the outline's, for a blocker one metre above [m / m].
+    // Width of the mip texel whose bilinear lookup has the outline's variance, for a blocker one metre above [m / m].
     footprint: f32,
     // Rectangle only: unit directions, counter-clockwise seen from the scene.
     corners: array<vec4f, 4>,
@@ -104,11 +104,13 @@ struct ConvolutionParameters {
     // Sharpening p = 1 + A exp(-B (d - z_avg)).
     sharpening_a: f32,
     sharpening_b: f32,
-    // Receiver depth is moved towards the light by this much, in light depth.
+    // Receiver depth is moved towards the light by this much, in scaled light depth: in the final lookup, and where blocker
+    // depth is averaged.
     depth_bias: f32,
-    padding_0: f32,
-    padding_1: f32,
-    padding_2: f32,
+    average_bias: f32,
+    // Widens kernels by what ringing suppression narrows penumbrae.
+    footprint_scale: f32,
+    padding: f32,
 }
 
 struct ResolveParameters {

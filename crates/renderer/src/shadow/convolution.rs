@@ -22,22 +22,30 @@ pub struct ConvolutionSettings {
     pub sharpening_a: f32,
     /// Falloff of the darkening with blocker distance as a share of the depth range, B of eq. 9.
     pub sharpening_b: f32,
-    /// Distance towards the light by which a receiver is moved, as a share of the depth range.
+    /// Distance towards the light by which a receiver is moved in the final lookup, as a share of the depth range over M:
+    /// the series' own resolution.
     pub depth_bias: f32,
+    /// Factor on every kernel's width. Stretching the series between `black_point` and `white_point` narrows penumbrae; this
+    /// widens them again.
+    pub footprint_scale: f32,
 }
 
 impl Default for ConvolutionSettings {
     fn default() -> Self {
         Self {
             order: 4,
-            black_point: 0.05,
-            white_point: 0.87,
-            sharpening_a: 6.0,
-            sharpening_b: 15.0,
-            depth_bias: 0.06,
+            black_point: 0.02,
+            white_point: 0.95,
+            sharpening_a: 15.0,
+            sharpening_b: 20.0,
+            depth_bias: 0.24,
+            footprint_scale: 1.35,
         }
     }
 }
+
+/// `M x` at which a series of M terms first reaches 1 after its step at 0: Si(2 pi M x) = pi / 2.
+const SERIES_LIT_AT: f32 = 0.3066;
 
 const BASIS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
@@ -138,10 +146,10 @@ impl Resources {
             white_point: settings.white_point,
             sharpening_a: settings.sharpening_a,
             sharpening_b: settings.sharpening_b,
-            depth_bias: settings.depth_bias,
-            padding_0: 0.0,
-            padding_1: 0.0,
-            padding_2: 0.0,
+            depth_bias: settings.depth_bias / settings.order as f32,
+            average_bias: SERIES_LIT_AT / settings.order as f32,
+            footprint_scale: settings.footprint_scale,
+            padding: 0.0,
         };
         let parameters =
             gpu.buffer_with("convolution", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);

@@ -46,7 +46,8 @@ pub fn no_light() -> Equirect {
 pub fn one_disk(direction: Vec3, angular_radius: f32) -> LightSet {
     let half_sine = f64::from(0.5 * angular_radius).sin();
     let solid_angle = 4.0 * std::f64::consts::PI * half_sine * half_sine;
-    let light = DistantLight::disk(direction.as_dvec3(), f64::from(angular_radius), DVec3::splat(solid_angle));
+    let light =
+        DistantLight::disk(direction.as_dvec3(), f64::from(angular_radius), DVec3::splat(solid_angle));
     LightSet::new("test", vec![light], no_light())
 }
 
@@ -86,12 +87,16 @@ pub fn sphere() -> Mesh {
     let (columns, rows) = (96u32, 48u32);
     let positions: Vec<Vec3> = (0..=rows)
         .flat_map(|y| (0..=columns).map(move |x| (x, y)))
-        .map(|(x, y)| Equirect::direction_from_uv(Vec2::new(x as f32 / columns as f32, y as f32 / rows as f32)))
+        .map(|(x, y)| {
+            Equirect::direction_from_uv(Vec2::new(x as f32 / columns as f32, y as f32 / rows as f32))
+        })
         .collect();
     let at = |x, y| y * (columns + 1) + x;
     let triangles = (0..rows)
         .flat_map(|y| (0..columns).map(move |x| (x, y)))
-        .flat_map(|(x, y)| [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]])
+        .flat_map(|(x, y)| {
+            [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]]
+        })
         .collect();
     Mesh { normals: positions.clone(), positions, triangles, ..Default::default() }
 }

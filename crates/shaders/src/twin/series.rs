@@ -49,7 +49,7 @@ pub fn sharpen(s: f32, blocker_distance: f32, a: f32, b: f32) -> f32 {
     s.max(0.0).powf(1.0 + a * (-b * blocker_distance.max(0.0)).exp())
 }
 
-/// Mip level whose trilinear lookup has the variance of a bilinear lookup `width` texels wide.
+/// Mip level whose trilinear lookup has the variance of a bilinear lookup in texels of `width`.
 pub fn level_from_width(width: f32) -> f32 {
     if width <= 1.0 {
         return 0.0;
