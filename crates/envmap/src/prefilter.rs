@@ -197,10 +197,10 @@ impl Spectra {
             // 1 - c = 1 - cos(theta - other) + sin(theta) sin(other) (1 - cos(phi)).
             let base = 2.0 * (0.5 * (theta - other)).sin().powi(2);
             let spread = theta.sin() * other.sin();
-            for column in 0..=self.width / 2 {
+            for (column, sum) in out[..=self.width / 2].iter_mut().enumerate() {
                 for across in 0..parts {
                     let phi = TAU * (column as f64 + offset(across)) / self.width as f64;
-                    out[column] += kernel(base + spread * 2.0 * (0.5 * phi).sin().powi(2), alpha_squared);
+                    *sum += kernel(base + spread * 2.0 * (0.5 * phi).sin().powi(2), alpha_squared);
                 }
             }
         }

@@ -1,4 +1,5 @@
 use std::f32::consts::PI;
+use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -21,49 +22,87 @@ pub struct Sh9 {
 pub fn sh9_basis(direction: Vec3) -> [f32; COUNT] {
     let Vec3 { x, y, z } = direction;
     [
-        0.282_094_8,
-        0.488_602_52 * y,
-        0.488_602_52 * z,
-        0.488_602_52 * x,
-        1.092_548_5 * x * y,
-        1.092_548_5 * y * z,
-        0.315_391_57 * (3.0 * z * z - 1.0),
-        1.092_548_5 * x * z,
-        0.546_274_24 * (x * x - y * y),
+        Y00 as f32,
+        Y1 as f32 * y,
+        Y1 as f32 * z,
+        Y1 as f32 * x,
+        Y2 as f32 * x * y,
+        Y2 as f32 * y * z,
+        Y20 as f32 * (3.0 * z * z - 1.0),
+        Y2 as f32 * x * z,
+        Y22 as f32 * (x * x - y * y),
     ]
+}
+
+/// Normalisation of the basis functions: `sqrt(1 / 4 pi)`, `sqrt(3 / 4 pi)`, `sqrt(15 / 4 pi)`, `sqrt(5 / 16 pi)`, `sqrt(15 / 16 pi)`.
+const Y00: f64 = 0.282_094_791_773_878_14;
+const Y1: f64 = 0.488_602_511_902_919_9;
+const Y2: f64 = 1.092_548_430_592_079_2;
+const Y20: f64 = 0.315_391_565_252_520_05;
+const Y22: f64 = 0.546_274_215_296_039_6;
+
+/// Means over a row, by solid angle, of cosine, its square, sine, and sine times cosine of `theta`.
+struct RowMeans {
+    c: f64,
+    cc: f64,
+    s: f64,
+    sc: f64,
+}
+
+impl RowMeans {
+    fn new(row: u32, height: u32) -> Self {
+        let edge = |row: u32| std::f64::consts::PI * f64::from(row) / f64::from(height);
+        let (top, bottom) = (edge(row), edge(row + 1));
+        let (a, b) = (top.cos(), bottom.cos());
+        let area = 2.0 * (0.5 * (top + bottom)).sin() * (0.5 * (bottom - top)).sin();
+        let squares = 0.5 * (bottom - top) - 0.25 * ((2.0 * bottom).sin() - (2.0 * top).sin());
+        let cubes = (bottom.sin().powi(3) - top.sin().powi(3)) / 3.0;
+        Self { c: 0.5 * (a + b), cc: (a * a + a * b + b * b) / 3.0, s: squares / area, sc: cubes / area }
+    }
 }
 
 /// Factor of each degree when radiance is convolved with the clamped cosine: pi, 2 pi / 3, pi / 4 (equation 8).
 const COSINE_LOBE: [f32; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
 
 impl Sh9 {
-    /// Projects a map, each texel weighted by its true solid angle.
+    /// Projects a map. The basis functions are integrated over each texel in closed form, so the coefficients are those of
+    /// the piecewise constant map exactly.
     pub fn project(map: &Equirect) -> Self {
-        let columns: Vec<(f64, f64)> = (0..map.width())
-            .map(|x| (std::f64::consts::TAU * (f64::from(x) + 0.5) / f64::from(map.width())).sin_cos())
+        // Means over a column of sin phi, cos phi, sin 2 phi, cos 2 phi.
+        let step = TAU / f64::from(map.width());
+        let mean = |angle: f64, step: f64| {
+            let (sin, cos) = angle.sin_cos();
+            let shrink = (0.5 * step).sin() / (0.5 * step);
+            (sin * shrink, cos * shrink)
+        };
+        let columns: Vec<[f64; 4]> = (0..map.width())
+            .map(|x| {
+                let phi = step * (f64::from(x) + 0.5);
+                let ((sin, cos), (sin2, cos2)) = (mean(phi, step), mean(2.0 * phi, 2.0 * step));
+                [sin, cos, sin2, cos2]
+            })
             .collect();
         let row = |y: u32| {
-            // In a row only sin and cos of phi vary, so five sums per channel make all nine.
             let mut sums = [DVec3::ZERO; 5];
-            for (x, &(sin, cos)) in columns.iter().enumerate() {
-                let radiance = map.radiance().get(x as u32, y).as_dvec3();
-                let factors = [1.0, sin, -cos, -sin * cos, sin * sin - cos * cos];
+            for (x, &[sin, cos, sin2, cos2]) in (0..).zip(&columns) {
+                let radiance = map.radiance().get(x, y).as_dvec3();
+                let factors = [1.0, sin, cos, sin2, cos2];
                 sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += radiance * factor);
             }
-            let [one, x, z, xz, xx_zz] = sums;
-            let theta = std::f64::consts::PI * (f64::from(y) + 0.5) / f64::from(map.height());
-            let (s, c) = theta.sin_cos();
-            // x = s sin phi, y = c, z = -s cos phi; z^2 = (s^2 - (x^2 - z^2)) / 2, x^2 = (s^2 + (x^2 - z^2)) / 2.
+            let [one, sin, cos, sin2, cos2] = sums;
+            let RowMeans { c, cc, s, sc } = RowMeans::new(y, map.height());
+            let ss = 1.0 - cc;
+            // x = s sin phi, y = c, z = -s cos phi; z^2 = s^2 (1 + cos 2 phi) / 2, x^2 = s^2 (1 - cos 2 phi) / 2.
             let basis = [
-                one * 0.282_094_791_773_878_14,
-                one * (0.488_602_511_902_919_9 * c),
-                z * (0.488_602_511_902_919_9 * s),
-                x * (0.488_602_511_902_919_9 * s),
-                x * (1.092_548_430_592_079_2 * s * c),
-                z * (1.092_548_430_592_079_2 * s * c),
-                (one * (1.5 * s * s - 1.0) - xx_zz * (1.5 * s * s)) * 0.315_391_565_252_520_05,
-                xz * (1.092_548_430_592_079_2 * s * s),
-                (one * (0.5 * s * s - c * c) + xx_zz * (0.5 * s * s)) * 0.546_274_215_296_039_6,
+                one * Y00,
+                one * (Y1 * c),
+                cos * (-Y1 * s),
+                sin * (Y1 * s),
+                sin * (Y2 * sc),
+                cos * (-Y2 * sc),
+                ((one + cos2) * (1.5 * ss) - one) * Y20,
+                sin2 * (-0.5 * Y2 * ss),
+                ((one - cos2) * (0.5 * ss) - one * cc) * Y22,
             ];
             basis.map(|term| term * map.texel_solid_angle(y))
         };

@@ -10,7 +10,7 @@ use crate::Equirect;
 const LOW: Vec3 = Vec3::new(-3.2, -1.5, -2.7);
 const HIGH: Vec3 = Vec3::new(3.2, 1.3, 2.7);
 /// Samples along each side of a texel that an edge crosses.
-const EDGE_SAMPLES: u32 = 4;
+const EDGE_SAMPLES: u32 = 3;
 /// Windows in the wall at +x: least and largest z and y.
 const WINDOWS: [[f32; 4]; 2] = [[-2.0, -0.55, -0.55, 0.85], [0.55, 2.0, -0.55, 0.85]];
 /// Width of window bars and frames [m].
@@ -251,8 +251,9 @@ fn irradiance(position: Vec3, normal: Vec3) -> Vec3 {
 /// Irradiance by a polygon of radiance 1 (Lambert's formula): the sum over its edges of the angle that they subtend times
 /// the cosine between the surface's normal and theirs. Parts below the surface count as they would above it, negated.
 fn polygon_irradiance(corners: [Vec3; 4], normal: Vec3) -> f32 {
+    let corners = corners.map(Vec3::normalize);
     let edge = |index: usize| {
-        let (a, b) = (corners[index].normalize(), corners[(index + 1) % 4].normalize());
+        let (a, b) = (corners[index], corners[(index + 1) % 4]);
         let across = a.cross(b);
         let sine = across.length();
         if sine > 0.0 { across.dot(normal) / sine * sine.atan2(a.dot(b)) } else { 0.0 }
