@@ -1,0 +1,128 @@
+//! Whole pictures against ray-traced truth: Mitsuba's, and the project's own reference tracer.
+
+mod common;
+
+use std::path::Path;
+
+use common::*;
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_lights::{FitOptions, LightSet};
+use gnomon_metrics::{compare, tolerances};
+use gnomon_reference::ReferenceOptions;
+use gnomon_renderer::RenderSettings;
+use gnomon_scene::{Camera, LoadOptions, Scene};
+
+fn fit(map: &Equirect) -> LightSet {
+    let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
+    gnomon_lights::fit::by_name("rectangles", &options).unwrap().fit(map).unwrap()
+}
+
+fn load(path: &Path) -> (Scene, Camera) {
+    let scene = gnomon_scene::load(path, &LoadOptions::default()).unwrap().scene;
+    let camera = scene.cameras[0].clone();
+    (scene, camera)
+}
+
+/// Relative RMSE of every technique's picture against Mitsuba's.
+fn against_mitsuba(scene: &str, environment: &str, truth: &str) {
+    let data = |name: &str| gnomon_testing::data_file(name);
+    let (Some(scene), Some(map), Some(truth)) = (
+        data(&format!("scenes/{scene}.glb")),
+        data(&format!("reference/env_{environment}_latlong_512x256.exr")),
+        data(&format!("reference/{truth}.exr")),
+    ) else {
+        return;
+    };
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (scene, camera) = load(&scene);
+    let map = gnomon_envmap::load(&map, None).unwrap().map;
+    let truth = gnomon_image::read(&truth).unwrap().image;
+    let set = fit(&map);
+    assert!(set.lights.len() <= tolerances::GPU_LIGHTS);
+    let error = |shadows: &str| {
+        let settings = RenderSettings { shadows: shadows.to_owned(), ..Default::default() };
+        let frame = render(&gpu, settings, &scene, &map, &set, &camera, [truth.width(), truth.height()]);
+        compare(&frame.radiance, &truth, None).unwrap().relative_rmse
+    };
+    let (soft, none) = (error("convolution"), error("none"));
+    println!("{} lights: convolution {soft:.4}, no shadows {none:.4}", set.lights.len());
+    assert!(soft <= tolerances::GPU_RELATIVE_RMSE, "{soft}");
+    // Without shadows the same gate must fail, or it would not be looking.
+    assert!(none > 2.0 * tolerances::GPU_RELATIVE_RMSE, "{none}");
+}
+
+#[test]
+fn three_boxes_under_galileo() {
+    against_mitsuba("three_boxes", "galileo", "three_boxes_galileo");
+}
+
+#[test]
+fn three_boxes_under_grace() {
+    against_mitsuba("three_boxes", "grace", "three_boxes_grace");
+}
+
+#[test]
+fn bunny_under_st_peters() {
+    against_mitsuba("bunny_on_ground", "stpeters", "bunny_flat_stpeters");
+}
+
+/// Built-in scenes under built-in environments, against the reference tracer: needs no external data.
+#[test]
+fn built_in_scenes_against_the_reference() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    for (scene, environment) in [("three-boxes", "room"), ("column", "sky")] {
+        let scene = gnomon_scene::builtin::by_name(scene).unwrap();
+        let camera = scene.cameras[0].clone();
+        let map = gnomon_envmap::builtin::sized(environment, 256, 128).unwrap();
+        let set = fit(&map);
+        let options = ReferenceOptions { width: 96, height: 72, samples_per_pixel: 64, ..Default::default() };
+        let truth = gnomon_reference::render(&scene, &camera, &map, &options).unwrap().mean;
+        let error = |shadows: &str| {
+            let settings = RenderSettings { shadows: shadows.to_owned(), ..Default::default() };
+            let frame = render(&gpu, settings, &scene, &map, &set, &camera, [96, 72]);
+            // The sun's disk in the background would drown the picture it lights.
+            let lit = |picture: &RgbImage| {
+                RgbImage::from_fn(96, 72, |x, y| picture.get(x, y).min(glam::Vec3::splat(4.0 * mean(&truth))))
+            };
+            compare(&lit(&frame.radiance), &lit(&truth), None).unwrap().relative_rmse
+        };
+        let (soft, none) = (error("convolution"), error("none"));
+        println!("{environment}: convolution {soft:.4}, no shadows {none:.4}");
+        assert!(soft <= tolerances::GPU_RELATIVE_RMSE, "{environment}: {soft}");
+        assert!(none > 1.5 * soft, "{environment}: {none} against {soft}");
+    }
+}
+
+fn mean(picture: &RgbImage) -> f32 {
+    let sum: glam::Vec3 = picture.texels().iter().copied().sum();
+    sum.element_sum() / (3 * picture.texels().len()) as f32
+}
+
+/// What the renderer drew when the picture was last looked at. `GNOMON_UPDATE_GOLDENS=1` writes the files anew.
+#[test]
+fn goldens() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    for (scene, environment, method, compositing) in [
+        ("three-boxes", "room", "rectangles", "ratio"),
+        ("three-boxes", "sky", "disks", "additive"),
+        ("column", "room", "squares", "subtractive"),
+    ] {
+        let scene_name = scene;
+        let scene = gnomon_scene::builtin::by_name(scene).unwrap();
+        let map = gnomon_envmap::builtin::sized(environment, 256, 128).unwrap();
+        let set =
+            gnomon_lights::fit::by_name(method, &FitOptions { light_count: Some(16), ..Default::default() });
+        let set = set.unwrap().fit(&map).unwrap();
+        let settings = RenderSettings { compositing: compositing.to_owned(), ..Default::default() };
+        let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], [96, 72]);
+        let name = format!("{scene_name}_{environment}_{method}_{compositing}.exr");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(&name);
+        if std::env::var_os("GNOMON_UPDATE_GOLDENS").is_some() {
+            gnomon_image::write(&path, &frame.radiance).unwrap();
+        }
+        let golden = gnomon_image::read(&path).unwrap_or_else(|error| panic!("golden {name}: {error}")).image;
+        let error = compare(&frame.radiance, &golden, None).unwrap().relative_rmse;
+        assert!(error <= tolerances::GOLDEN_RELATIVE_RMSE, "{name}: {error}");
+    }
+}
