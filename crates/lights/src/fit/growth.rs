@@ -1,6 +1,9 @@
 use super::faces::{Faces, TexelRect, luminance};
 use super::rectangles::Outline;
 
+/// Shares this close count as equal.
+const TIE: f64 = 1e-9;
+
 /// When a light stops growing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Growth {
@@ -14,10 +17,12 @@ pub(super) struct Growth {
 impl Growth {
     /// The light that grows from one texel (Annen et al. 2008, section 4.2): of all growths that the threshold allows,
     /// the one that adds the largest share goes first, so that the result does not hang on the order of the sides.
-    /// `flux` is the luminous flux of the face's texels.
-    pub(super) fn grow(&self, faces: &Faces, flux: &[f64], seed: usize) -> TexelRect {
+    /// `flux` is the luminous flux of the face's texels, and `original` what it was before any light was taken out: it
+    /// decides between growths into flat residue that share the same symmetry.
+    pub(super) fn grow(&self, faces: &Faces, flux: &[f64], original: &[f64], seed: usize) -> TexelRect {
         let size = faces.size;
         let sum = |rect: TexelRect| rect.texels(size).map(|texel| flux[texel]).sum::<f64>();
+        let originally = |rect: TexelRect| rect.texels(size).map(|texel| original[texel]).sum::<f64>();
         let corner = [seed % size, seed / size];
         let mut rect = TexelRect { min: corner, max: corner.map(|c| c + 1) };
         let mut total = sum(rect);
@@ -27,18 +32,26 @@ impl Growth {
             Outline::Square => 2.0 * self.threshold,
         };
         loop {
-            let mut best: Option<(f64, f64, TexelRect)> = None;
+            let mut best: Option<(f64, f64, f64, TexelRect)> = None;
             for grown in self.grown(rect, size) {
                 if faces.extent(grown).into_iter().any(|angle| angle > self.max_extent) {
                     continue;
                 }
-                let added: f64 = added_strips(rect, grown).into_iter().map(sum).sum();
+                let strips = added_strips(rect, grown);
+                let added: f64 = strips.into_iter().map(sum).sum();
                 let share = if total + added > 0.0 { added / (total + added) } else { 1.0 };
-                if share > threshold && best.is_none_or(|(most, ..)| share > most) {
-                    best = Some((share, added, grown));
+                if share <= threshold {
+                    continue;
+                }
+                let before: f64 = strips.into_iter().map(originally).sum();
+                let wins = |(most, most_before, ..): (f64, f64, f64, TexelRect)| {
+                    share > most + TIE || (share >= most - TIE && before > most_before)
+                };
+                if best.is_none_or(wins) {
+                    best = Some((share, before, added, grown));
                 }
             }
-            let Some((_, added, grown)) = best else { return rect };
+            let Some((.., added, grown)) = best else { return rect };
             rect = grown;
             total += added;
         }
@@ -117,14 +130,24 @@ mod tests {
     #[test]
     fn a_rectangle_grows_to_a_bright_patch_and_no_further() {
         let patch = TexelRect { min: [3, 5], max: [11, 8] };
-        let rect = growth(Outline::Rectangle, 0.05, 9.0).grow(&constant(16), &lit(16, patch), 6 * 16 + 4);
+        let rect = growth(Outline::Rectangle, 0.05, 9.0).grow(
+            &constant(16),
+            &lit(16, patch),
+            &lit(16, patch),
+            6 * 16 + 4,
+        );
         assert_eq!(rect, patch);
     }
 
     #[test]
     fn a_square_stays_square_and_on_the_face() {
         let patch = TexelRect { min: [9, 1], max: [16, 8] };
-        let rect = growth(Outline::Square, 0.02, 9.0).grow(&constant(16), &lit(16, patch), 3 * 16 + 12);
+        let rect = growth(Outline::Square, 0.02, 9.0).grow(
+            &constant(16),
+            &lit(16, patch),
+            &lit(16, patch),
+            3 * 16 + 12,
+        );
         assert_eq!(rect, patch);
     }
 
@@ -132,10 +155,10 @@ mod tests {
     fn growth_stops_at_the_largest_extent_and_at_the_threshold() {
         let faces = constant(32);
         let flux = luminous(&faces, 0);
-        let rect = growth(Outline::Rectangle, 1e-3, 0.5).grow(&faces, &flux, 16 * 32 + 16);
+        let rect = growth(Outline::Rectangle, 1e-3, 0.5).grow(&faces, &flux, &flux, 16 * 32 + 16);
         assert!(faces.extent(rect).into_iter().all(|angle| angle <= 0.5 && angle > 0.4));
         // A uniform light of s texels gains 1 / (s + 1) by another column, so it stops near s = 1 / t.
-        let rect = growth(Outline::Rectangle, 0.1, 9.0).grow(&faces, &flux, 16 * 32 + 16);
+        let rect = growth(Outline::Rectangle, 0.1, 9.0).grow(&faces, &flux, &flux, 16 * 32 + 16);
         assert!((8..=12).contains(&(rect.max[0] - rect.min[0])), "{rect:?}");
     }
 

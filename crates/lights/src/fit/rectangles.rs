@@ -115,13 +115,14 @@ impl Rectangles {
         let mean = faces.mean_radiance(face);
         let mut left = faces.one_face(face);
         let mut covered = vec![false; left.solid_angle.len()];
-        let mut flux = luminous(&left, face);
+        let original = luminous(faces, face);
+        let mut flux = original.clone();
         let mut lights = Vec::new();
         while let Some(seed) = hottest(&flux, |texel| !covered[texel]) {
             if flux[seed] <= 0.0 {
                 break;
             }
-            let rect = growth.grow(&left, &flux, seed);
+            let rect = growth.grow(&left, &flux, &original, seed);
             let residue = if is_above(&left, face, rect, mean) { mean } else { DVec3::ZERO };
             let taken = take(&mut left, face, rect, residue);
             for texel in rect.texels(left.size) {
@@ -182,13 +183,14 @@ struct Peak {
 fn face_peaks(faces: &Faces, face: usize, growth: Growth) -> Vec<Peak> {
     let residue = luminance(faces.mean_radiance(face));
     let mut covered = vec![false; faces.solid_angle.len()];
-    let mut flux = luminous(faces, face);
+    let original = luminous(faces, face);
+    let mut flux = original.clone();
     let mut peaks = Vec::new();
     while let Some(seed) = hottest(&flux, |texel| !covered[texel]) {
         if flux[seed] <= (1.0 + ROUNDING) * residue * faces.solid_angle[seed] {
             break;
         }
-        let rect = growth.grow(faces, &flux, seed);
+        let rect = growth.grow(faces, &flux, &original, seed);
         let total: f64 = rect.texels(faces.size).map(|texel| flux[texel]).sum();
         let solid_angle: f64 = rect.texels(faces.size).map(|texel| faces.solid_angle[texel]).sum();
         let above = total - (1.0 + ROUNDING) * residue * solid_angle;
