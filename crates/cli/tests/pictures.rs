@@ -5,7 +5,7 @@
 mod support;
 
 use gnomon::metrics::compare;
-use gnomon::metrics::tolerances::FLUX;
+use gnomon::metrics::tolerances::{COMMAND_RELATIVE_RMSE, FLUX};
 use support::{can_render, files, gnomon};
 
 #[test]
@@ -69,8 +69,8 @@ fn render_is_near_the_reference_and_without_shadows_it_is_not() {
         json["relative_rmse"].as_f64().unwrap()
     };
     let (drawn, flat) = (error("picture.exr"), error("flat.exr"));
-    assert!(drawn < gnomon::metrics::tolerances::GPU_RELATIVE_RMSE, "{drawn}");
-    assert!(flat > 1.5 * drawn, "{flat} without shadows, {drawn} with them");
+    assert!(drawn < COMMAND_RELATIVE_RMSE, "{drawn}");
+    assert!(flat > 1.5 * COMMAND_RELATIVE_RMSE, "{flat} without shadows");
 
     let stats: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.path().join("stats.json")).unwrap()).unwrap();
@@ -94,16 +94,47 @@ fn bench_times_every_fit() {
 }
 
 #[test]
-fn a_scene_file_brings_its_environment_and_an_unknown_adapter_is_named() {
+fn a_scene_file_brings_environment_and_camera_and_the_command_line_overrules_them() {
     let folder = tempfile::tempdir().unwrap();
     let quad = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n";
     std::fs::write(folder.path().join("quad.obj"), quad).unwrap();
-    gnomon(
-        folder.path(),
-        &["reference", "quad.obj", "--env", "sky", "-o", "a.exr", "--size", "8x6", "--spp", "2"],
-    )
-    .succeeded();
-    gnomon(folder.path(), &["render", "quad.obj", "--env", "sky", "-o", "b.png", "--adapter", "abacus"])
-        .failed("abacus");
-    assert_eq!(files(folder.path()), ["a.exr", "quad.obj"]);
+    let scene = "ground = \"none\"\n[environment]\nbuiltin = \"sky\"\nrotation = 90\n\
+        [camera]\neye = [0, 3, 0.1]\ntarget = [0, 0, 0]\nfov = 20\n[[model]]\nfile = \"quad.obj\"\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let trace = |output: &str, arguments: &[&str]| {
+        let fixed = ["reference", "-o", output, "--size", "8x6", "--spp", "64"];
+        gnomon(folder.path(), &[&fixed[..], arguments].concat()).succeeded();
+        gnomon::image::read(folder.path().join(output)).unwrap().image
+    };
+    let own = trace("own.exr", &["scene.toml"]);
+    let view = ["--camera", "eye=0,3,0.1; target=0,0,0; fov=20", "--ground", "none"];
+    let told =
+        trace("told.exr", &[&["quad.obj", "--env", "sky", "--env-rotation", "90"][..], &view[..]].concat());
+    assert_eq!(own, told);
+    assert_ne!(own, trace("room.exr", &["scene.toml", "--env", "room"]));
+    assert_ne!(own, trace("view.exr", &["scene.toml", "--camera", "eye=3,3,3; target=0,0,0; fov=60"]));
+}
+
+#[test]
+fn an_adapter_that_is_not_there_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["render", "three-boxes", "--env", "sky", "-o", "b.png", "--adapter", "abacus"];
+    gnomon(folder.path(), &arguments).failed("abacus");
+    assert!(files(folder.path()).is_empty());
+}
+
+#[test]
+fn demo_writes_its_sheet() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    let arguments = ["demo", "-o", "deep/demo", "--lights", "disks", "--spp", "2"];
+    let run = gnomon(folder.path(), &arguments).succeeded();
+    assert!(run.out.contains("relative RMSE") && run.out.contains("sheet.png"), "{}", run.out);
+    let demo = folder.path().join("deep/demo");
+    assert_eq!(files(&demo), ["comparison.json", "gpu.exr", "reference.exr", "sheet.png"]);
+    let sheet = gnomon::image::read(demo.join("sheet.png")).unwrap().image;
+    let panel = gnomon::image::read(demo.join("gpu.exr")).unwrap().image;
+    assert!(sheet.width() >= 2 * panel.width() && sheet.height() >= 3 * panel.height());
 }

@@ -1,4 +1,5 @@
 use clap::Args;
+use gnomon::renderer::composite::COMPOSITINGS;
 use gnomon::renderer::{AdapterSummary, list_adapters};
 use serde_json::json;
 
@@ -89,5 +90,15 @@ fn lists() -> Vec<(&'static str, Vec<String>)> {
                 .map(|method| format!("{}: {}", method.name, method.summary))
                 .collect(),
         ),
+        (
+            "shadow techniques",
+            gnomon::renderer::shadow::names().map(|(name, summary)| format!("{name}: {summary}")).collect(),
+        ),
+        (
+            "compositing rules",
+            COMPOSITINGS.iter().map(|rule| format!("{}: {}", rule.name, rule.summary)).collect(),
+        ),
+        ("built-in scenes", gnomon::scene::builtin::NAMES.map(str::to_owned).to_vec()),
+        ("built-in environments", gnomon::envmap::builtin::names().map(str::to_owned).collect()),
     ]
 }
