@@ -4,18 +4,19 @@
 @group(0) @binding(0) var fine: texture_2d_array<f32>;
 @group(0) @binding(1) var coarse_rgba16: texture_storage_2d_array<rgba16float, write>;
 @group(0) @binding(2) var coarse_r32: texture_storage_2d_array<r32float, write>;
+@group(0) @binding(3) var bilinear: sampler;
 
 fn filtered(texel: vec2u, layer: u32) -> vec4f {
-    let last = vec2i(textureDimensions(fine)) - 1;
-    var sum = vec4f(0.0);
-    for (var y = 0; y < 4; y++) {
-        for (var x = 0; x < 4; x++) {
-            let position = clamp(2 * vec2i(texel) + vec2i(x, y) - 1, vec2i(0), last);
-            let weight = select(1.0, 3.0, x == 1 || x == 2) * select(1.0, 3.0, y == 1 || y == 2) / 64.0;
-            sum += weight * textureLoad(fine, position, layer, 0);
-        }
-    }
-    return sum;
+    let size = vec2f(textureDimensions(fine));
+    let center = 2.0 * vec2f(texel) + 1.0;
+    // A bilinear lookup a quarter texel from a centre weighs its two texels 3 to 1: four of them are the 16 taps.
+    let low = (center - 0.75) / size;
+    let high = (center + 0.75) / size;
+    return 0.25
+        * (textureSampleLevel(fine, bilinear, low, layer, 0.0)
+            + textureSampleLevel(fine, bilinear, vec2f(high.x, low.y), layer, 0.0)
+            + textureSampleLevel(fine, bilinear, vec2f(low.x, high.y), layer, 0.0)
+            + textureSampleLevel(fine, bilinear, high, layer, 0.0));
 }
 
 @compute @workgroup_size(8, 8)

@@ -35,7 +35,7 @@ impl Default for ConvolutionSettings {
         Self {
             order: 4,
             black_point: 0.02,
-            white_point: 0.95,
+            white_point: 0.9,
             sharpening_a: 15.0,
             sharpening_b: 20.0,
             depth_bias: 0.24,
@@ -225,9 +225,10 @@ impl Resources {
         );
 
         let module = gpu.shader("downsample", &[])?;
-        let fine = Binding::Texture { dimension: D2_ARRAY, filterable: false };
-        let mip_layout =
-            |binding, format| gpu.layout("downsample", compute, &[(0, fine), (binding, written(format))]);
+        let mip_layout = |binding, format| {
+            let bindings = [(0, sampled), (binding, written(format)), (3, Binding::Sampler)];
+            gpu.layout("downsample", compute, &bindings)
+        };
         let (rgba16_layout, r32_layout) = (mip_layout(1, BASIS_FORMAT), mip_layout(2, DEPTH_FORMAT));
         let mut mips = Vec::new();
         for level in 1..levels {
@@ -241,6 +242,7 @@ impl Resources {
                     &[
                         (0, wgpu::BindingResource::TextureView(&fine)),
                         (binding, wgpu::BindingResource::TextureView(&coarse)),
+                        (3, wgpu::BindingResource::Sampler(&trilinear)),
                     ],
                 );
                 mips.push(MipStep { bind_group, size: resolution >> level, layers, basis });
