@@ -2,6 +2,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use gnomon::envmap::{Equirect, Projection};
+use gnomon::image::LUMINANCE;
 use gnomon::scene::{
     Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, Scene, builtin,
     default_camera, load,
@@ -44,7 +45,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "GROUND")]
     ground: Option<GroundName>,
 
-    /// Exposure of PNG output in stops [default: the scene file's, or 0]
+    /// Exposure of PNG output in stops [default: the scene file's, or what brings the environment's mean to 0.5]
     #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = stops)]
     exposure: Option<f32>,
 }
@@ -102,13 +103,15 @@ impl Inputs {
             None => scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, aspect)),
         };
         scene.add_ground(args.ground.map_or(ground, Ground::from));
+        let environment = load_environment(&spec, terminal)?;
+        let exposure = args.exposure.or(own.map(|own| own.exposure_ev));
         Ok(Self {
             scene,
             camera,
-            environment: load_environment(&spec, terminal)?,
+            exposure: exposure.unwrap_or_else(|| suitable_exposure(&environment)),
+            environment,
             width,
             height,
-            exposure: args.exposure.or(own.map(|own| own.exposure_ev)).unwrap_or(0.0),
         })
     }
 
@@ -134,6 +137,14 @@ impl Inputs {
             exposure: 0.0,
         })
     }
+}
+
+/// Stops that bring the environment's mean luminance to 0.5, so that a matte white surface is bright but not clipped. Of the
+/// environment alone: pictures of a moving scene keep one exposure. 0 for a black map.
+fn suitable_exposure(environment: &Equirect) -> f32 {
+    let mean = (environment.flux() / (4.0 * std::f64::consts::PI)).as_vec3().dot(LUMINANCE);
+    let stops = (0.5 / mean).log2();
+    if stops.is_finite() { stops.clamp(-60.0, 60.0) } else { 0.0 }
 }
 
 fn load_scene(name: &str, aspect: f32) -> Result<LoadedScene, CliError> {
