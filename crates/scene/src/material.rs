@@ -91,7 +91,7 @@ pub struct Material {
     pub alpha: f32,
     /// Use of alpha.
     pub alpha_mode: AlphaMode,
-    /// Lit from both sides; otherwise the back is culled from the camera (it still casts shadows).
+    /// What the file says of its back. Pictures do not depend on it: every surface is seen and lit from both sides.
     pub double_sided: bool,
 }
 
