@@ -22,10 +22,6 @@ pub const Z_TEST_PASSING: f64 = 0.995;
 /// without shadows has 0.21, the same fits with exact shadows have 0.035 to 0.05.
 pub const GPU_RELATIVE_RMSE: f64 = 0.08;
 
-/// The real command, defaults, built-in scene and room, 64 x 48 pixels, against its own reference: relative RMSE. A check that
-/// the parts are joined rightly, so twice the error of a good picture; without shadows it has 0.18.
-pub const COMMAND_RELATIVE_RMSE: f64 = 0.1;
-
 /// Number of lights for which [`GPU_RELATIVE_RMSE`] must hold.
 pub const GPU_LIGHTS: usize = 80;
 
