@@ -1,7 +1,6 @@
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::{LUMINANCE, RgbImage};
-use rayon::prelude::*;
+use gnomon_image::LUMINANCE;
 use serde_json::{Map, Value};
 
 use crate::DistantLight;
@@ -67,36 +66,17 @@ impl LightSet {
             method: self.method,
             parameters: self.parameters.clone(),
             lights: self.lights.iter().map(|light| light.rotated(yaw)).collect(),
-            residual: rotated_map(&self.residual, yaw),
+            residual: self.residual.rotated(yaw),
         }
     }
-}
-
-/// The map turned about +y by `yaw` [rad]: what stood at azimuth `phi` moves to `phi - yaw` (see
-/// [`Equirect::direction_from_uv`]).
-fn rotated_map(map: &Equirect, yaw: f32) -> Equirect {
-    let (width, height) = (map.width() as usize, map.height() as usize);
-    let shift = f64::from(yaw) / std::f64::consts::TAU * width as f64;
-    // An f32 quarter turn is not quite a whole number of texels; that must not blur the map.
-    let shift = if (shift - shift.round()).abs() < 1e-3 { shift.round() } else { shift };
-    let (whole, fraction) = (shift.floor(), shift - shift.floor());
-    let mut turned = RgbImage::filled(map.width(), map.height(), Vec3::ZERO);
-    if width == 0 || height == 0 {
-        return Equirect::new(turned);
-    }
-    let offset = whole.rem_euclid(width as f64) as usize;
-    let rows = turned.texels_mut().par_chunks_mut(width).zip(map.radiance().texels().par_chunks(width));
-    rows.for_each(|(to, from)| {
-        for (x, texel) in to.iter_mut().enumerate() {
-            *texel = from[(x + offset) % width].lerp(from[(x + offset + 1) % width], fraction as f32);
-        }
-    });
-    Equirect::new(turned)
 }
 
 #[cfg(test)]
 mod tests {
     use std::f32::consts::FRAC_PI_2;
+
+    use glam::Vec3;
+    use gnomon_image::RgbImage;
 
     use super::*;
 
@@ -107,7 +87,7 @@ mod tests {
     #[test]
     fn a_turned_map_shows_the_same_radiance_towards_turned_directions() {
         let map = ramp();
-        let turned = rotated_map(&map, FRAC_PI_2);
+        let turned = LightSet::new("none", Vec::new(), map.clone()).rotated(FRAC_PI_2).residual;
         for d in [Vec3::X, Vec3::new(0.3, 0.4, -0.7).normalize(), Vec3::new(-0.6, -0.2, 0.5).normalize()] {
             let to = glam::Quat::from_rotation_y(FRAC_PI_2) * d;
             assert!((turned.lookup(to) - map.lookup(d)).length() < 1e-5);

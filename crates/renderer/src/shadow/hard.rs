@@ -1,9 +1,8 @@
 use gnomon_shaders::layout;
 
-use super::{ShadowResources, ShadowSettings, ShadowTechnique};
+use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique};
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::depth_maps::DepthMaps;
-use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 /// Projective shadow maps with a z-buffer test (Williams 1978; Heidrich 2001, section 2).
@@ -21,11 +20,6 @@ impl Default for HardSettings {
     fn default() -> Self {
         Self { depth_bias: 0.002 }
     }
-}
-
-struct Resources {
-    layout: wgpu::BindGroupLayout,
-    bind_group: wgpu::BindGroup,
 }
 
 impl ShadowTechnique for Hard {
@@ -69,22 +63,6 @@ impl ShadowTechnique for Hard {
             &layout,
             &[(0, parameters.as_entire_binding()), (1, wgpu::BindingResource::TextureView(&maps.array))],
         );
-        Ok(Box::new(Resources { layout, bind_group }))
-    }
-}
-
-impl ShadowResources for Resources {
-    fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
-    }
-
-    fn bind_group(&self) -> &wgpu::BindGroup {
-        &self.bind_group
-    }
-
-    fn encode(&self, _: &mut Recorder<'_>) {}
-
-    fn bytes(&self) -> u64 {
-        0
+        Ok(Box::new(DepthMapsOnly { layout, bind_group }))
     }
 }

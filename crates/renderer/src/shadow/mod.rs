@@ -54,6 +54,28 @@ pub(crate) trait ShadowResources: Send {
     fn bytes(&self) -> u64;
 }
 
+/// Bindings of a technique that makes no images of its own.
+struct DepthMapsOnly {
+    layout: wgpu::BindGroupLayout,
+    bind_group: wgpu::BindGroup,
+}
+
+impl ShadowResources for DepthMapsOnly {
+    fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.bind_group
+    }
+
+    fn encode(&self, _: &mut Recorder<'_>) {}
+
+    fn bytes(&self) -> u64 {
+        0
+    }
+}
+
 /// Every technique.
 const TECHNIQUES: &[&dyn ShadowTechnique] = &[&convolution::Convolution, &hard::Hard, &none::None];
 
