@@ -1,4 +1,5 @@
 //! Scenes whose picture is known in closed form.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
 

@@ -1,4 +1,6 @@
 //! Whole pictures against ray-traced truth: Mitsuba's, and the project's own reference tracer.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
 mod common;
 

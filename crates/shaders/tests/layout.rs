@@ -1,4 +1,5 @@
 //! The structs shared by Rust and WGSL have the same members at the same offsets.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::mem::{offset_of, size_of};
 

@@ -1,5 +1,9 @@
 //! What the picture tests share.
-#![allow(dead_code, reason = "every test program uses its own part")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "a test fails by panicking; every test program uses its own part"
+)]
 
 use glam::{DVec3, Vec2, Vec3};
 use gnomon_envmap::Equirect;
