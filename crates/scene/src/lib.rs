@@ -21,4 +21,3 @@ pub use load::{EnvironmentSettings, EnvironmentSource, Format, LoadOptions, Load
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
 pub use scene::{Bounds, MaterialId, Mesh, MeshId, Node, NodeId, Scene};
 pub use shade_inputs::{SurfacePoint, normal_matrix, perturb_normal};
-pub use texture::linear_from_srgb;

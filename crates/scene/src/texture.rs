@@ -1,17 +1,13 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec4};
+use gnomon_image::tonemap::srgb_decode;
 
 use crate::{Texture, Wrap};
 
 /// sRGB code value to linear light, 0..1 (IEC 61966-2-1).
 static LINEAR_FROM_SRGB8: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|code| linear_from_srgb(code as f32 / 255.0)));
-
-/// Linear light for an sRGB value, both 0..1 (IEC 61966-2-1).
-pub fn linear_from_srgb(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
+    LazyLock::new(|| std::array::from_fn(|code| srgb_decode(code as f32 / 255.0)));
 
 impl Wrap {
     /// Texel index in `0..size` for a texel index outside it.

@@ -7,11 +7,12 @@
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4};
+use gnomon_image::tonemap::srgb_decode;
 
 use super::mtl::Library;
 use super::{Budget, LoadedScene, Source, geometry};
 use crate::error::{Fault, one_line};
-use crate::{Ground, Material, MaterialId, Mesh, Scene, linear_from_srgb};
+use crate::{Ground, Material, MaterialId, Mesh, Scene};
 
 /// Reads an OBJ file and the material libraries beside it. Missing libraries, materials and textures are warnings.
 pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
@@ -101,7 +102,7 @@ impl Reader {
         // Three numbers, or four with a weight, have no colour.
         if count >= 6 {
             self.colors.resize(self.positions.len() - 1, Vec4::ONE);
-            let [r, g, b] = [values[3], values[4], values[5]].map(linear_from_srgb);
+            let [r, g, b] = [values[3], values[4], values[5]].map(srgb_decode);
             self.colors.push(Vec4::new(r, g, b, 1.0));
         }
         Ok(())

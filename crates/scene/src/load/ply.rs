@@ -7,11 +7,12 @@
 mod header;
 
 use glam::{Vec2, Vec3, Vec4};
+use gnomon_image::tonemap::srgb_decode;
 
 use self::header::{Element, Encoding, Property, Scalar};
 use super::{Budget, LoadedScene, Source, geometry};
 use crate::error::Fault;
-use crate::{Ground, Material, MaterialId, Mesh, Scene, linear_from_srgb};
+use crate::{Ground, Material, MaterialId, Mesh, Scene};
 
 /// Whether the content starts like a PLY file.
 pub fn recognise(bytes: &[u8]) -> bool {
@@ -142,7 +143,7 @@ fn read_vertices(
 fn linear_color(value: f64, scalar: Scalar, channel: usize) -> f32 {
     let Some(largest) = scalar.largest_integer() else { return value as f32 };
     let encoded = (value / largest) as f32;
-    if channel < 3 { linear_from_srgb(encoded) } else { encoded }
+    if channel < 3 { srgb_decode(encoded) } else { encoded }
 }
 
 #[derive(Default)]
