@@ -82,7 +82,7 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
             continue;
         }
         let visible = visibility(light, position_world, geometric_normal);
-        var diffuse = lights[light].radiance * form_factor;
+        let diffuse = lights[light].radiance * form_factor;
         if has_specular {
             let wi = lights[light].direction;
             let h = normalize(wi + wo);
@@ -96,7 +96,6 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
                 * lights[light].radiance;
             specular_unshadowed += specular;
             specular_shadowed += specular * visible;
-            diffuse *= 1.0 - max_component(f_schlick(f0_f90.rgb, f0_f90.a, v_dot_h));
         }
         diffuse_unshadowed += diffuse;
         diffuse_shadowed += diffuse * visible;
@@ -104,14 +103,16 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
 
     let dfg = environment_brdf(n_dot_v, roughness);
     let specular_albedo = f0 * dfg.x + f90 * dfg.y;
-    let dielectric_albedo = f0_f90.rgb * dfg.x + f0_f90.a * dfg.y;
-    let diffuse_weight = 1.0 - max_component(dielectric_albedo);
-    let diffuse = composite(
-        equirect_lookup(irradiance_full, n, 0) * diffuse_weight,
-        max(sh_irradiance(view.residual_sh, n), vec3f(0.0)) * diffuse_weight,
-        diffuse_unshadowed,
-        diffuse_shadowed,
-    );
+    // What the dielectric's surface lets through to its base, F taken for light along the normal: glTF weighs the base by F at
+    // v.h, which stays far from grazing for most light even where n.v does not.
+    let base_weight = 1.0 - max_component(f_schlick(f0_f90.rgb, f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
+    let diffuse = base_weight
+        * composite(
+            equirect_lookup(irradiance_full, n, 0),
+            max(sh_irradiance(view.residual_sh, n), vec3f(0.0)),
+            diffuse_unshadowed,
+            diffuse_shadowed,
+        );
     var result = emissive_roughness.rgb + diffuse_color / PI * diffuse;
     if has_specular {
         let reflected = reflect(-wo, n);
