@@ -12,6 +12,6 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     if any(texel < vec2i(0)) || any(texel >= size) {
         return 1.0;
     }
-    let z = textureLoad(depth_maps, texel, light, 0);
+    let z = linear_from_stored_depth(light, textureLoad(depth_maps, texel, light, 0));
     return select(0.0, 1.0, receiver.z - hard_parameters.depth_bias <= z);
 }
