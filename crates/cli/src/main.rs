@@ -2,7 +2,6 @@
 
 mod command;
 mod error;
-mod font;
 mod options;
 mod output;
 mod terminal;

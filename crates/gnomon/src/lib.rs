@@ -25,4 +25,5 @@ pub use gnomon_lights as lights;
 pub use gnomon_metrics as metrics;
 pub use gnomon_reference as reference;
 pub use gnomon_renderer as renderer;
+pub use gnomon_report as report;
 pub use gnomon_scene as scene;

@@ -1,16 +1,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use glam::Vec3;
 use gnomon::image::RgbImage;
 use gnomon::image::tonemap::{ToneMapping, tone_mapped};
 use gnomon::lights::preview;
 use gnomon::metrics::{Exposure, compare, flip_difference, signed_difference};
 use gnomon::reference::{ReferenceOptions, render};
+use gnomon::report::{ContactSheet, Panel};
 
 use crate::command::render::{GpuArgs, draw, fit_lights};
 use crate::error::CliError;
-use crate::font;
 use crate::options::Inputs;
 use crate::output;
 use crate::terminal::{Terminal, print};
@@ -74,25 +73,23 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
     let comparison = compare(&picture, reference, None)?;
     let mean = comparison.reference_mean.iter().sum::<f64>() / 3.0;
     let noise = (channel_mean(&estimate.variance).max(0.0)).sqrt() / mean.max(f64::from(f32::MIN_POSITIVE));
-    let environment = preview(&inputs.environment, &lights, 2 * WIDTH + GAP);
     let shown = |radiance: &RgbImage| tone_mapped(radiance, ToneMapping::default(), comparison.exposure);
-    let panels = [
-        (format!("GPU, {} {}", lights.lights.len(), lights.method), shown(&picture)),
-        (format!("Ray traced, {} samples a pixel", args.spp), shown(reference)),
-        (
+    let mut sheet = ContactSheet::new("sheet", format!("Environment: {}", args.env), 2);
+    sheet.banner = Some(preview(&inputs.environment, &lights, 2 * WIDTH + ContactSheet::GAP));
+    sheet.panels = vec![
+        Panel::new(format!("GPU, {} {}", lights.lights.len(), lights.method), shown(&picture)),
+        Panel::new(format!("Ray traced, {} samples a pixel", args.spp), shown(reference)),
+        Panel::new(
             format!("FLIP, weighted median {:.3}", comparison.flip.weighted_median),
             flip_difference(&picture, reference, Exposure::Stops(comparison.exposure))?,
         ),
-        (
+        Panel::new(
             format!("GPU - reference, relative RMSE {:.3}", comparison.relative_rmse),
             signed_difference(&picture, reference, mean.max(f64::from(f32::MIN_POSITIVE)) as f32)?,
         ),
     ];
     let file = |name: &str| args.output.join(name);
-    gnomon::image::write(
-        file("sheet.png"),
-        &sheet(&format!("Environment: {}", args.env), &environment, &panels),
-    )?;
+    gnomon::image::write(file("sheet.png"), &sheet.to_image())?;
     output::write_radiance(&file("gpu.exr"), &picture, 0.0)?;
     output::write_radiance(&file("reference.exr"), reference, 0.0)?;
     output::write_text(&file("comparison.json"), &(output::json(&comparison) + "\n"))?;
@@ -109,35 +106,4 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
 fn channel_mean(picture: &RgbImage) -> f64 {
     let sum: f64 = picture.texels().iter().map(|texel| texel.as_dvec3().element_sum()).sum();
     sum / (3.0 * picture.texels().len() as f64)
-}
-
-/// Pixels between panels.
-const GAP: u32 = 12;
-/// Size of the captions' pixels, and the height of the strip that holds one.
-const CAPTION_SCALE: u32 = 2;
-const CAPTION: u32 = font::HEIGHT * CAPTION_SCALE + GAP;
-
-/// One wide picture above two rows of two, each under its caption.
-fn sheet(title: &str, wide: &RgbImage, panels: &[(String, RgbImage); 4]) -> RgbImage {
-    let width = wide.width() + 2 * GAP;
-    let row = CAPTION + HEIGHT;
-    let height = GAP + CAPTION + wide.height() + 2 * (GAP + row) + GAP;
-    // sRGB 0.1: darker than any picture, so that their edges show.
-    let mut sheet = RgbImage::filled(width, height, Vec3::splat(0.01));
-    place(&mut sheet, (GAP, GAP), title, wide);
-    for ((caption, picture), (column, line)) in panels.iter().zip([(0, 0), (1, 0), (0, 1), (1, 1)]) {
-        let x = GAP + column * (WIDTH + GAP);
-        let y = GAP + CAPTION + wide.height() + GAP + line * (row + GAP);
-        place(&mut sheet, (x, y), caption, picture);
-    }
-    sheet
-}
-
-fn place(sheet: &mut RgbImage, (x, y): (u32, u32), caption: &str, picture: &RgbImage) {
-    font::write(sheet, (x, y), caption, CAPTION_SCALE, Vec3::splat(0.7));
-    for row in 0..picture.height() {
-        for column in 0..picture.width() {
-            *sheet.get_mut(x + column, y + CAPTION + row) = picture.get(column, row);
-        }
-    }
 }
