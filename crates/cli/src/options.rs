@@ -19,15 +19,25 @@ pub struct FitArgs {
     #[arg(long, value_name = "N", conflicts_with = "threshold")]
     light_count: Option<usize>,
 
-    /// Where the fit stops, above 0 and below 1; smaller makes more lights [default: the fit's own]
+    /// Where the fit stops, above 0 and below 1: disks at a light below this share of those before it (smaller makes more
+    /// lights), squares and rectangles grow while a side adds more than this share (larger makes more)
+    /// [default: the fit's own]
     #[arg(long, value_name = "T")]
     threshold: Option<f32>,
+
+    /// Largest angular width and height of a light, in degrees [default: the fit's own]
+    #[arg(long, value_name = "DEG", value_parser = finite)]
+    max_extent: Option<f32>,
 }
 
 impl FitArgs {
     /// What they ask of a fit.
     pub fn options(&self) -> FitOptions {
-        FitOptions { light_count: self.light_count, threshold: self.threshold, ..FitOptions::default() }
+        FitOptions {
+            light_count: self.light_count,
+            threshold: self.threshold,
+            max_extent: self.max_extent.map(f32::to_radians),
+        }
     }
 }
 

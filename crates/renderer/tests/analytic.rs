@@ -20,7 +20,7 @@ fn material(surface: Surface) -> Material {
 fn fitted(map: &Equirect) -> LightSet {
     // A uniform map gives lights as wide as a cube face, where one average blocker depth means little: cap them.
     let options = FitOptions { max_extent: Some(0.45), ..Default::default() };
-    let fit = gnomon_lights::fit::by_name("rectangles", &options).unwrap();
+    let fit = gnomon_lights::fit::by_name("partition", &options).unwrap();
     fit.fit(map).unwrap()
 }
 

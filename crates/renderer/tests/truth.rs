@@ -17,7 +17,7 @@ use gnomon_scene::{Camera, LoadOptions, Scene};
 
 fn fit(map: &Equirect) -> LightSet {
     let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
-    gnomon_lights::fit::by_name("rectangles", &options).unwrap().fit(map).unwrap()
+    gnomon_lights::fit::by_name("partition", &options).unwrap().fit(map).unwrap()
 }
 
 fn load(path: &Path) -> (Scene, Camera) {
@@ -106,7 +106,7 @@ fn mean(picture: &RgbImage) -> f32 {
 fn goldens() {
     let Some(gpu) = gpu_or_skip() else { return };
     for (scene, environment, method, compositing) in [
-        ("three-boxes", "room", "rectangles", "ratio"),
+        ("three-boxes", "room", "partition", "ratio"),
         ("three-boxes", "sky", "disks", "additive"),
         ("column", "room", "squares", "subtractive"),
     ] {

@@ -15,13 +15,13 @@ use crate::terminal::{Terminal, print};
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   gnomon decompose grace.hdr --preview lights.png
-  gnomon decompose room --method rectangles --light-count 60 -o lights.json --residual rest.exr")]
+  gnomon decompose room --method partition --light-count 60 -o lights.json --residual rest.exr")]
 pub struct DecomposeArgs {
     /// Environment map (HDR or EXR), or a built-in one: room, sky
     #[arg(value_name = "ENV")]
     environment: String,
 
-    /// How to fit lights: disks, squares or rectangles
+    /// How to fit lights: disks, squares, rectangles or partition (see gnomon info)
     #[arg(long, value_name = "METHOD", default_value = "disks")]
     method: String,
 

@@ -42,7 +42,8 @@ pub struct RenderArgs {
 /// How the GPU draws.
 #[derive(Args, Debug)]
 pub struct GpuArgs {
-    /// How to fit lights to the environment: disks, squares, rectangles, or none for ambient light only
+    /// How to fit lights to the environment: disks, squares, rectangles, partition (see gnomon info), or none for ambient
+    /// light only
     #[arg(long, value_name = "METHOD", default_value = DEFAULT_FIT)]
     pub lights: String,
 
@@ -71,7 +72,7 @@ pub struct GpuArgs {
 }
 
 /// The fit that leaves no light unshadowed, so that the picture's error stays small under every environment measured.
-pub const DEFAULT_FIT: &str = "rectangles";
+pub const DEFAULT_FIT: &str = "partition";
 
 /// Frames timed for the statistics, after one that compiles the pipelines, and the time after which fewer will do.
 const TIMED_FRAMES: usize = 5;

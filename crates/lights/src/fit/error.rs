@@ -19,7 +19,9 @@ pub enum FitError {
     #[error("light count {0} is out of range: give 1 to {max}", max = crate::fit::MAX_LIGHTS)]
     LightCount(usize),
     /// Fewer lights than the fit can do with.
-    #[error("{given} lights are too few for {method}, which cover the whole sphere: give at least {least}")]
+    #[error(
+        "{given} lights are too few for '{method}', which covers the whole sphere: give at least {least}"
+    )]
     TooFewLights {
         /// Fit that was asked.
         method: &'static str,
@@ -31,8 +33,14 @@ pub enum FitError {
     /// A threshold outside (0, 1).
     #[error("threshold {0} is out of range: give a number above 0 and below 1")]
     Threshold(f32),
+    /// A threshold for a fit that has none.
+    #[error("fit '{0}' has no threshold: give a light count")]
+    NoThreshold(&'static str),
     /// A largest extent that the fit cannot honour.
-    #[error("largest light extent {given} rad is out of range for {method}: give {least} to pi")]
+    #[error(
+        "largest light extent {} degrees is out of range for {method}: give {:.1} to 180",
+        given.to_degrees(), (10.0 * least.to_degrees()).ceil() / 10.0
+    )]
     MaxExtent {
         /// Fit that was asked.
         method: &'static str,

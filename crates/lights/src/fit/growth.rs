@@ -1,6 +1,8 @@
 use super::faces::{Faces, TexelRect, luminance};
 use super::rectangles::Outline;
 
+/// Relative differences of flux below this come from resampling in single precision.
+pub(super) const ROUNDING: f64 = 1e-5;
 /// Shares this close count as equal.
 const TIE: f64 = 1e-9;
 

@@ -2,6 +2,8 @@
 //!
 //! A new fit is one file here that implements [`LightFit`], and one line in [`methods`].
 
+mod cells;
+mod cuts;
 mod disks;
 mod error;
 mod faces;
@@ -14,9 +16,11 @@ mod sphere_grid;
 use gnomon_envmap::Equirect;
 use serde_json::{Map, Value};
 
+pub use cells::cells;
 pub use disks::Disks;
 pub use error::FitError;
 pub use options::{FitOptions, MAX_LIGHTS};
+pub use partition::Partition;
 pub use rectangles::{Outline, Rectangles};
 
 use crate::LightSet;
@@ -58,6 +62,7 @@ pub fn methods() -> &'static [Method] {
         Method { name: "disks", summary: disks::SUMMARY, build: disks::build },
         Method { name: "squares", summary: rectangles::SUMMARY_SQUARES, build: rectangles::build_squares },
         Method { name: "rectangles", summary: rectangles::SUMMARY, build: rectangles::build_rectangles },
+        Method { name: "partition", summary: partition::SUMMARY, build: partition::build },
     ]
 }
 

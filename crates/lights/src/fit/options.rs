@@ -1,4 +1,8 @@
 use super::FitError;
+use super::rectangles::LEAST_EXTENT;
+
+/// Fewest lights that can cover the sphere: one a cube face.
+const LEAST_COUNT: usize = 6;
 
 /// Most lights that a fit can be asked for.
 pub const MAX_LIGHTS: usize = 4096;
@@ -8,7 +12,7 @@ pub const MAX_LIGHTS: usize = 4096;
 pub struct FitOptions {
     /// Number of lights, 1 to [`MAX_LIGHTS`].
     pub light_count: Option<usize>,
-    /// Where the fit stops, in (0, 1); its meaning is the fit's own.
+    /// Where the fit stops, in (0, 1); its meaning is the fit's own, and not every fit has one.
     pub threshold: Option<f32>,
     /// Largest diameter of a disk or side of a rectangle [rad].
     pub max_extent: Option<f32>,
@@ -24,6 +28,21 @@ impl FitOptions {
             }
             // Not `t <= 0 || t >= 1`: that would let NaN through.
             Self { threshold: Some(t), .. } if !(t > 0.0 && t < 1.0) => Err(FitError::Threshold(t)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks what every fit asks that covers the whole sphere: a light a face, and no light too narrow to do so.
+    pub(super) fn validate_tiling(&self, method: &'static str) -> Result<(), FitError> {
+        match *self {
+            Self { light_count: Some(given), .. } if given < LEAST_COUNT => {
+                Err(FitError::TooFewLights { method, given, least: LEAST_COUNT })
+            }
+            Self { max_extent: Some(given), .. }
+                if !(LEAST_EXTENT..=std::f32::consts::PI).contains(&given) =>
+            {
+                Err(FitError::MaxExtent { method, given, least: LEAST_EXTENT })
+            }
             _ => Ok(()),
         }
     }

@@ -1,191 +1,135 @@
+use glam::Vec3;
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+
+use super::cuts::cut_faces;
+use super::error::check_map;
 use super::faces::{Faces, TexelRect, luminance};
-use super::rectangles::Outline;
+use super::growth::{Growth, ROUNDING, luminous, take};
+use super::rectangles::{Outline, hottest, is_above};
+use super::{FitError, FitOptions, LightFit};
+use crate::{DistantLight, LightSet};
 
-/// Relative differences of flux below this come from resampling in single precision.
-pub(super) const ROUNDING: f64 = 1e-5;
+pub(super) const SUMMARY: &str =
+    "bright peaks, and rectangles that divide the rest of the map where partly hidden lights err most";
 
-/// A rectangle of a face that becomes one uniform light.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
-    pub(super) face: usize,
-    pub(super) rect: TexelRect,
+/// Texels along a face's edge.
+const FACE_SIZE: usize = 64;
+/// Growth threshold for peaks: at texels half as wide as the paper's, a strip of the same light is half the share.
+const PEAK_THRESHOLD: f64 = 0.04;
+/// Number of lights unless told otherwise.
+const LIGHT_COUNT: usize = 60;
+
+/// Uniform rectangles on cube faces that hold all of the map's flux: the residual is black. Half of the lights, the
+/// strongest peaks above their face's mean, come from growth as in [`super::Rectangles`]; the rest divides what remains,
+/// face by face, where cuts reduce the error of partly hidden lights most.
+#[derive(Clone, Debug)]
+pub struct Partition {
+    light_count: usize,
+    max_extent: Option<f32>,
 }
 
-/// Divides what is left on all faces into `count` rectangles (squares: at most so many) by the cuts that most reduce
-/// the [`discrepancy`], and further until none is wider than `max_extent` [rad]. Black faces get none.
-pub(super) fn partition(faces: &Faces, outline: Outline, count: usize, max_extent: f64) -> Vec<Cell> {
-    let sums: Vec<FaceSums> = (0..6).map(|face| FaceSums::new(faces, face)).collect();
-    let planned = |cell: Cell| {
-        let too_wide = faces.extent(cell.rect).map(|angle| angle > max_extent);
-        (cell, sums[cell.face].best_cut(cell.rect, outline, too_wide))
-    };
-    let mut cells: Vec<(Cell, Option<Cut>)> = (0..6)
-        .filter(|face| faces.flux[*face].iter().any(|flux| luminance(*flux) > 0.0))
-        .map(|face| planned(Cell { face, rect: TexelRect::face(faces.size) }))
-        .collect();
-    loop {
-        let room = count.saturating_sub(cells.len());
-        let next = cells
-            .iter()
-            .enumerate()
-            .filter_map(|(index, (_, cut))| {
-                let cut = (*cut).as_ref()?;
-                // Too wide goes first, whatever the count.
-                let priority = if cut.forced { f64::INFINITY } else { cut.gain };
-                (cut.forced || cut.parts.len() - 1 <= room).then_some((priority, index))
-            })
-            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        let Some((_, index)) = next else { break };
-        let (cell, cut) = cells.remove(index);
-        let parts = cut.map(|cut| cut.parts).unwrap_or_default();
-        cells.extend(parts.into_iter().map(|rect| planned(Cell { face: cell.face, rect })));
+pub(super) fn build(options: &FitOptions) -> Result<Box<dyn LightFit>, FitError> {
+    Ok(Box::new(Partition::new(options)?))
+}
+
+impl Partition {
+    /// `light_count` (at least 6) is met exactly, unless the map has less to divide; `max_extent` [rad] bounds the angular
+    /// length of every light's sides, if need be with more lights than asked for. There is no threshold.
+    pub fn new(options: &FitOptions) -> Result<Self, FitError> {
+        options.validate()?;
+        options.validate_tiling("partition")?;
+        if options.threshold.is_some() {
+            return Err(FitError::NoThreshold("partition"));
+        }
+        Ok(Self { light_count: options.light_count.unwrap_or(LIGHT_COUNT), max_extent: options.max_extent })
     }
-    cells.into_iter().map(|(cell, _)| cell).collect()
+
+    /// The strongest peaks, then a partition of the rest.
+    fn lights(&self, map: &Equirect) -> Vec<DistantLight> {
+        let count = self.light_count;
+        let mut faces = Faces::new(map, FACE_SIZE);
+        let max_extent = self.max_extent.map_or(f64::INFINITY, f64::from);
+        let growth = Growth { outline: Outline::Rectangle, threshold: PEAK_THRESHOLD, max_extent };
+        let mut peaks: Vec<Peak> =
+            (0..6).into_par_iter().flat_map_iter(|face| face_peaks(&faces, face, growth)).collect();
+        peaks.sort_by(|a, b| b.luminous_flux.total_cmp(&a.luminous_flux));
+        let lit = (0..6).filter(|face| luminance(faces.mean_radiance(*face)) > 0.0).count();
+        peaks.truncate((count / 2).min(count - lit));
+        let mut lights = Vec::new();
+        let means: Vec<_> = (0..6).map(|face| faces.mean_radiance(face)).collect();
+        for peak in &peaks {
+            // A stronger peak may have had it all.
+            if !is_above(&faces, peak.face, peak.rect, means[peak.face]) {
+                continue;
+            }
+            let flux = take(&mut faces, peak.face, peak.rect, means[peak.face]);
+            lights.push(faces.light(peak.face, peak.rect, flux));
+        }
+        for cell in cut_faces(&faces, count - lights.len(), max_extent) {
+            lights.push(faces.light(cell.face, cell.rect, faces.rect_flux(cell.face, cell.rect)));
+        }
+        lights
+    }
 }
 
-/// A cut of a cell into smaller ones.
-struct Cut {
-    /// How much it reduces the discrepancy, for each light that it adds.
-    gain: f64,
-    /// Whether the cell is too wide.
-    forced: bool,
-    parts: Vec<TexelRect>,
+/// A bright patch of a face.
+struct Peak {
+    face: usize,
+    rect: TexelRect,
+    /// What it has above the residue.
+    luminous_flux: f64,
 }
 
-/// Luminous flux and solid angle of any rectangle of one face, by summed-area tables.
-struct FaceSums {
-    size: usize,
-    /// `(size + 1)^2` sums over all texels above and to the left: flux, solid angle.
-    table: Vec<[f64; 2]>,
-}
-
-impl FaceSums {
-    fn new(faces: &Faces, face: usize) -> Self {
-        let (size, stride) = (faces.size, faces.size + 1);
-        let mut table = vec![[0.0; 2]; stride * stride];
-        for y in 0..size {
-            let mut row = [0.0; 2];
-            for x in 0..size {
-                let texel = y * size + x;
-                row[0] += luminance(faces.flux[face][texel]);
-                row[1] += faces.solid_angle[texel];
-                let above = table[y * stride + x + 1];
-                table[(y + 1) * stride + x + 1] = [above[0] + row[0], above[1] + row[1]];
+/// All lights of a face that hold more than its mean.
+fn face_peaks(faces: &Faces, face: usize, growth: Growth) -> Vec<Peak> {
+    let residue = luminance(faces.mean_radiance(face));
+    let mut covered = vec![false; faces.solid_angle.len()];
+    let original = luminous(faces, face);
+    let mut flux = original.clone();
+    let mut peaks = Vec::new();
+    while let Some(seed) = hottest(&flux, |texel| !covered[texel]) {
+        if flux[seed] <= (1.0 + ROUNDING) * residue * faces.solid_angle[seed] {
+            break;
+        }
+        let rect = growth.grow(faces, &flux, &original, seed);
+        let total: f64 = rect.texels(faces.size).map(|texel| flux[texel]).sum();
+        let solid_angle: f64 = rect.texels(faces.size).map(|texel| faces.solid_angle[texel]).sum();
+        let above = total - (1.0 + ROUNDING) * residue * solid_angle;
+        for texel in rect.texels(faces.size) {
+            covered[texel] = true;
+            if above > 0.0 {
+                flux[texel] = residue * faces.solid_angle[texel];
             }
         }
-        Self { size, table }
-    }
-
-    fn sum(&self, rect: TexelRect) -> [f64; 2] {
-        let at = |x: usize, y: usize| self.table[y * (self.size + 1) + x];
-        let ([x0, y0], [x1, y1]) = (rect.min, rect.max);
-        [0, 1].map(|i| at(x1, y1)[i] - at(x0, y1)[i] - at(x1, y0)[i] + at(x0, y0)[i])
-    }
-
-    /// How badly one uniform light stands for a rectangle: over all straight cuts along its two axes, the sum of the
-    /// squared error of the flux on one side. That is what an occluder's edge across the light does to irradiance.
-    fn discrepancy(&self, rect: TexelRect) -> f64 {
-        let [flux, solid_angle] = self.sum(rect);
-        let mean = flux / solid_angle;
-        (0..2)
-            .flat_map(|axis| (rect.min[axis] + 1..rect.max[axis]).map(move |at| (axis, at)))
-            .map(|(axis, at)| {
-                let [flux, solid_angle] = self.sum(rect.split(axis, at)[0]);
-                (flux - mean * solid_angle).powi(2)
-            })
-            .sum()
-    }
-
-    /// The cut that gains most; only across the axes that are `too_wide`, if any is. `None` where there is nothing to
-    /// gain beyond rounding.
-    fn best_cut(&self, rect: TexelRect, outline: Outline, too_wide: [bool; 2]) -> Option<Cut> {
-        let forced = too_wide[0] || too_wide[1];
-        let whole = self.discrepancy(rect);
-        let [face_flux, _] = self.sum(TexelRect::face(self.size));
-        let flat = whole <= (ROUNDING * face_flux).powi(2);
-        if flat && !forced {
-            return None;
-        }
-        let cut = |parts: Vec<TexelRect>| {
-            let rest: f64 = parts.iter().map(|part| self.discrepancy(*part)).sum();
-            Cut { gain: (whole - rest) / (parts.len() - 1) as f64, forced, parts }
-        };
-        match outline {
-            // Slivers do not make a wide cell narrow.
-            Outline::Rectangle if !flat => (0..2)
-                .filter(|axis| !forced || too_wide[*axis])
-                .flat_map(|axis| {
-                    let (min, max) = (rect.min[axis], rect.max[axis]);
-                    let margin = if forced { ((max - min) / 4).max(1) } else { 1 };
-                    (min + margin..=max - margin).map(move |at| (axis, at))
-                })
-                .map(|(axis, at)| cut(rect.split(axis, at).to_vec()))
-                .max_by(|a, b| a.gain.total_cmp(&b.gain)),
-            _ => {
-                let axes = match outline {
-                    Outline::Square => [true, true],
-                    // Both at once: nothing tells one axis from the other.
-                    Outline::Rectangle => too_wide,
-                };
-                let mut parts = vec![rect];
-                for axis in (0..2).filter(|axis| axes[*axis]) {
-                    // Of the two middles of an odd number of texels, the one nearer the face's: turned faces agree on it.
-                    let ends = rect.min[axis] + rect.max[axis];
-                    let middle = if ends < self.size { ends.div_ceil(2) } else { ends / 2 };
-                    if middle > rect.min[axis] && middle < rect.max[axis] {
-                        parts = parts.into_iter().flat_map(|part| part.split(axis, middle)).collect();
-                    }
-                }
-                (parts.len() > 1).then(|| cut(parts))
-            }
+        if above > 0.0 {
+            peaks.push(Peak { face, rect, luminous_flux: above });
         }
     }
+    peaks
 }
 
-#[cfg(test)]
-mod tests {
-    use glam::Vec3;
-    use gnomon_envmap::Equirect;
-    use gnomon_image::RgbImage;
-
-    use super::*;
-
-    fn faces(f: impl FnMut(u32, u32) -> Vec3) -> Faces {
-        Faces::new(&Equirect::new(RgbImage::from_fn(256, 128, f)), 32)
+impl LightFit for Partition {
+    fn name(&self) -> &'static str {
+        "partition"
     }
 
-    fn covered(cells: &[Cell], faces: &Faces) -> usize {
-        cells.iter().map(|cell| cell.rect.texels(faces.size).count()).sum()
+    fn parameters(&self) -> Map<String, Value> {
+        let mut parameters = Map::new();
+        parameters.insert("light_count".into(), json!(self.light_count));
+        parameters.insert("face_size".into(), json!(FACE_SIZE));
+        parameters.insert("peak_threshold".into(), json!(PEAK_THRESHOLD));
+        parameters.insert("max_extent".into(), json!(self.max_extent));
+        parameters
     }
 
-    #[test]
-    fn cells_tile_every_lit_face_and_meet_the_count() {
-        let faces = faces(|x, y| Vec3::splat(1.0 + ((x * 7 + y * 13) % 11) as f32));
-        for count in [6, 7, 20, 61] {
-            let cells = partition(&faces, Outline::Rectangle, count, 9.0);
-            assert_eq!((cells.len(), covered(&cells, &faces)), (count, 6 * 32 * 32));
-            let squares = partition(&faces, Outline::Square, count, 9.0);
-            assert!(squares.len() <= count && squares.len() + 3 > count);
-            assert!(squares.iter().all(|c| c.rect.max[0] - c.rect.min[0] == c.rect.max[1] - c.rect.min[1]));
-        }
-    }
-
-    #[test]
-    fn a_cut_falls_where_the_radiance_changes() {
-        // Bright above the horizon: every side face is best cut in the middle of its height.
-        let faces = faces(|_, y| Vec3::splat(if y < 64 { 10.0 } else { 1.0 }));
-        let cells = partition(&faces, Outline::Rectangle, 10, 9.0);
-        let halves = cells.iter().filter(|cell| cell.rect.max[1] - cell.rect.min[1] == 16).count();
-        assert_eq!(halves, 8);
-    }
-
-    #[test]
-    fn a_largest_extent_overrules_the_count() {
-        let faces = faces(|_, _| Vec3::ONE);
-        for outline in [Outline::Rectangle, Outline::Square] {
-            let cells = partition(&faces, outline, 6, 0.9);
-            assert!(cells.iter().all(|cell| faces.extent(cell.rect).into_iter().all(|angle| angle <= 0.9)));
-            assert_eq!(covered(&cells, &faces), 6 * 32 * 32);
-        }
+    fn fit(&self, map: &Equirect) -> Result<LightSet, FitError> {
+        check_map(map)?;
+        let mut lights = self.lights(map);
+        lights.retain(|light| light.radiance.max_element() > 0.0);
+        let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
+        Ok(LightSet { method: self.name(), parameters: self.parameters(), lights, residual })
     }
 }
