@@ -1,35 +1,47 @@
 use glam::{DVec2, Vec3};
 use gnomon_lights::{DistantLight, LightShape};
+use gnomon_scene::PlacedLight;
 
 use crate::environment::{Aim, EnvironmentSampler, IMPORTANCE, choose_weighted};
+use crate::near_light::{NearLight, Seen};
 
-/// Light from infinity: a map, area lights, or both.
+/// Everything that shines: a map and area lights at infinity, and area lights in the scene.
 pub(crate) struct Illumination<'a> {
     map: Option<EnvironmentSampler<'a>>,
     lights: Vec<AreaLight>,
+    near: Vec<NearLight>,
 }
 
-/// The illumination as a surface with a given normal samples it: every part in proportion to its flux times a bound
-/// of the cosine.
+/// The illumination as a surface at a given point with a given normal samples it: every part in proportion to its flux times
+/// a bound of the cosine.
 pub(crate) struct Aimed<'l, 'a> {
     illumination: &'l Illumination<'a>,
     n: Vec3,
     map: Option<(&'l EnvironmentSampler<'a>, Aim)>,
+    near: Vec<Seen<'l>>,
     /// Sum of the weights of map and lights.
     total: f64,
 }
 
 impl<'a> Illumination<'a> {
     pub(crate) fn new(map: Option<EnvironmentSampler<'a>>, lights: &[DistantLight]) -> Self {
-        Self { map, lights: lights.iter().filter_map(AreaLight::new).collect() }
+        Self { map, lights: lights.iter().filter_map(AreaLight::new).collect(), near: Vec::new() }
     }
 
-    /// For a surface with the unit normal `n`.
-    pub(crate) fn aim(&self, n: Vec3) -> Aimed<'_, 'a> {
+    /// The same and lights in the scene.
+    pub(crate) fn with_near(self, lights: &[PlacedLight]) -> Self {
+        Self { near: lights.iter().map(NearLight::new).collect(), ..self }
+    }
+
+    /// For a surface at `point` [m] with the unit normal `n`.
+    pub(crate) fn aim(&self, point: Vec3, n: Vec3) -> Aimed<'_, 'a> {
         let map = self.map.as_ref().map(|map| (map, map.aim(n)));
         let lights: f64 = self.lights.iter().map(|light| f64::from(light.weight(n))).sum();
-        let total = map.as_ref().map_or(0.0, |(_, aim)| aim.total) + lights;
-        Aimed { illumination: self, n, map, total }
+        let near: Vec<_> = self.near.iter().filter_map(|light| light.seen_from(point, n)).collect();
+        let total = map.as_ref().map_or(0.0, |(_, aim)| aim.total)
+            + lights
+            + near.iter().map(|seen| seen.weight).sum::<f64>();
+        Aimed { illumination: self, n, map, near, total }
     }
 }
 
@@ -40,27 +52,47 @@ impl Aimed<'_, '_> {
         let map_weight = self.map.as_ref().map_or(0.0, |(_, aim)| aim.total);
         let choice = u_choice * self.total;
         match &self.map {
-            Some((map, aim)) if choice < map_weight || lights.is_empty() => map.sample(aim, u),
+            Some((map, aim)) if choice < map_weight || (lights.is_empty() && self.near.is_empty()) => {
+                map.sample(aim, u)
+            }
             _ => {
                 let u_light = (choice - map_weight) / (self.total - map_weight);
-                let weights = lights.iter().map(|light| light.weight(self.n));
-                Some(lights[choose_weighted(weights, u_light)?.0].sample(u))
+                let distant = lights.iter().map(|light| light.weight(self.n));
+                let weights = distant.chain(self.near.iter().map(|seen| seen.weight as f32));
+                let (index, _) = choose_weighted(weights, u_light)?;
+                Some(match lights.get(index) {
+                    Some(light) => light.sample(u),
+                    None => self.near.get(index - lights.len())?.sample(u),
+                })
             }
         }
     }
 
-    /// Radiance from a direction, and the density with which [`Aimed::sample`] draws it [1/sr].
-    pub(crate) fn evaluate(&self, wi: Vec3) -> (Vec3, f64) {
-        let mut radiance = Vec3::ZERO;
+    /// Radiance that arrives from a direction, and the density with which [`Aimed::sample`] draws it [1/sr]. `arrives` is asked,
+    /// for each part that shines, whether light from that distance [m] reaches the surface.
+    pub(crate) fn evaluate(&self, wi: Vec3, arrives: impl Fn(f32) -> bool) -> (Vec3, f64) {
+        let mut distant = Vec3::ZERO;
         let mut density = 0.0;
         if let Some((map, aim)) = &self.map {
-            radiance = map.radiance(wi);
-            density = aim.total * map.pdf(aim, wi, radiance);
+            distant = map.radiance(wi);
+            density = aim.total * map.pdf(aim, wi, distant);
         }
         for light in &self.illumination.lights {
             if let Some(light_pdf) = light.pdf(wi) {
-                radiance += light.radiance;
+                distant += light.radiance;
                 density += f64::from(light.weight(self.n)) * light_pdf;
+            }
+        }
+        let mut radiance = Vec3::ZERO;
+        if distant != Vec3::ZERO && arrives(f32::INFINITY) {
+            radiance = distant;
+        }
+        for seen in &self.near {
+            if let Some((distance, light_pdf)) = seen.hit(wi) {
+                density += seen.weight * light_pdf;
+                if arrives(distance as f32) {
+                    radiance += seen.light.radiance;
+                }
             }
         }
         (radiance, if self.total > 0.0 { density / self.total } else { 0.0 })
@@ -206,14 +238,14 @@ mod tests {
         let expected: DVec3 = lights.iter().map(DistantLight::flux).sum();
         let illumination = Illumination::new(None, &lights);
         // Every light is above this surface.
-        let aimed = illumination.aim(Vec3::new(0.3, 0.8, -0.5).normalize());
+        let aimed = illumination.aim(Vec3::ZERO, Vec3::new(0.3, 0.8, -0.5).normalize());
         let sequence = Sequence::new(1, 2, 3);
         let count = 1 << 14;
         let mut sum = DVec3::ZERO;
         for index in 0..count {
             let u = sequence.pair(index, Decision::Direction);
             let choice = sequence.pair(index, Decision::Choice).x;
-            let (radiance, pdf) = aimed.evaluate(aimed.sample(u, choice).unwrap());
+            let (radiance, pdf) = aimed.evaluate(aimed.sample(u, choice).unwrap(), |_| true);
             if pdf > 0.0 {
                 sum += radiance.as_dvec3() / pdf;
             }
@@ -240,8 +272,8 @@ mod tests {
     #[test]
     fn darkness_has_no_samples() {
         let nothing = Illumination::new(None, &[]);
-        let dark = nothing.aim(Vec3::Y);
+        let dark = nothing.aim(Vec3::ZERO, Vec3::Y);
         assert!(dark.sample(DVec2::splat(0.3), 0.2).is_none());
-        assert_eq!(dark.evaluate(Vec3::X), (Vec3::ZERO, 0.0));
+        assert_eq!(dark.evaluate(Vec3::X, |_| true), (Vec3::ZERO, 0.0));
     }
 }

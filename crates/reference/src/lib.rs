@@ -1,11 +1,13 @@
 //! Ray-traced truth: direct light on a scene, as the mean and the variance of every pixel.
 //!
 //! [`render`] lights the scene by the environment itself; [`render_lights`] by a fitted [`gnomon_lights::LightSet`], which
-//! tells the error of a fit from that of a shadow technique. Neither shares code with the GPU renderer beyond the
-//! scene, the map lookup and the reflectance models.
+//! tells the error of a fit from that of a shadow technique. Both add the scene's own area lights. Neither shares code with
+//! the GPU renderer beyond the scene, the map lookup and the reflectance models.
 //!
 //! What counts as the truth:
-//! - Light arrives directly from infinity; nothing is reflected twice. Emission is seen by the camera but lights nothing.
+//! - Light arrives directly, from infinity or from the scene's area lights; nothing is reflected twice. Emission of
+//!   materials is seen by the camera but lights nothing.
+//! - Area lights are not seen by the camera and block nothing, but mirrors show them.
 //! - A pixel is the mean over its area; the camera sees the environment behind the scene, bilinearly interpolated.
 //! - Every surface is seen, lit and casts shadows from both sides, single-sided materials too. The shading normal is turned
 //!   to the side of the triangle that the viewer sees.
@@ -19,9 +21,11 @@ mod camera_ray;
 mod environment;
 mod error;
 mod illumination;
+mod near_light;
 mod render;
 mod sampler;
 mod shade;
+mod spherical_rectangle;
 mod traced_scene;
 
 pub use camera_ray::{Ray, camera_ray};

@@ -66,7 +66,7 @@ pub enum ResidualShadows {
     Ignore,
 }
 
-/// The scene under the environment itself.
+/// The scene under the environment itself and the scene's own lights.
 ///
 /// # Errors
 /// See [`ReferenceError`].
@@ -79,15 +79,16 @@ pub fn render(
     check(camera, &[environment], options)?;
     let tracer = Tracer {
         scene: TracedScene::new(scene)?,
-        shadowed: Illumination::new(Some(EnvironmentSampler::new(environment)), &[]),
+        shadowed: Illumination::new(Some(EnvironmentSampler::new(environment)), &[])
+            .with_near(&scene.placed_lights()),
         unshadowed: None,
         background: environment,
     };
     estimate(&tracer, camera, options)
 }
 
-/// The scene under fitted lights and their residual, in front of `background`: what the fit leaves of the truth with exact
-/// shadows.
+/// The scene under fitted lights, their residual and the scene's own lights, in front of `background`: what the fit leaves of
+/// the truth with exact shadows.
 ///
 /// # Errors
 /// See [`ReferenceError`].
@@ -107,6 +108,7 @@ pub fn render_lights(
             (Illumination::new(None, &lights.lights), Some(Illumination::new(Some(residual), &[])))
         }
     };
+    let shadowed = shadowed.with_near(&scene.placed_lights());
     let tracer = Tracer { scene: TracedScene::new(scene)?, shadowed, unshadowed, background };
     estimate(&tracer, camera, options)
 }

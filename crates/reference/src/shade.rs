@@ -55,7 +55,8 @@ impl Tracer<'_> {
         let n = point.shading_normal;
         let model = MetallicRoughness::new(point.surface);
         let wo_local = local_from_world(n, wo);
-        let light = light.aim(n);
+        let lifted = point.lifted();
+        let light = light.aim(lifted, n);
         let matte = point.surface.metallic == 0.0 && point.surface.specular == 0.0;
         let share = if matte { MATTE_REFLECTION_SHARE } else { GLOSSY_REFLECTION_SHARE };
         let wi = if choice.x < share {
@@ -66,15 +67,17 @@ impl Tracer<'_> {
         };
         let Some(wi) = wi else { return Vec3::ZERO };
         let wi_local = local_from_world(n, wi);
-        let (radiance, light_pdf) = light.evaluate(wi);
-        let value = model.evaluate(wo_local, wi_local) * wi_local.z * radiance;
-        let pdf = share * f64::from(model.pdf(wo_local, wi_local)) + (1.0 - share) * light_pdf;
-        if value == Vec3::ZERO || pdf <= 0.0 {
+        let reflectance = model.evaluate(wo_local, wi_local) * wi_local.z;
+        if reflectance == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let arrives = !shadowed
-            || (wi.dot(point.geometric_normal) > 0.0
-                && !self.scene.is_occluded(&Ray { origin: point.lifted(), direction: wi }));
-        if arrives { (value.as_dvec3() / pdf).as_vec3() } else { Vec3::ZERO }
+        let arrives = |distance: f32| {
+            !shadowed
+                || (wi.dot(point.geometric_normal) > 0.0
+                    && !self.scene.is_occluded(&Ray { origin: lifted, direction: wi }, distance))
+        };
+        let (radiance, light_pdf) = light.evaluate(wi, arrives);
+        let pdf = share * f64::from(model.pdf(wo_local, wi_local)) + (1.0 - share) * light_pdf;
+        if pdf > 0.0 { ((reflectance * radiance).as_dvec3() / pdf).as_vec3() } else { Vec3::ZERO }
     }
 }

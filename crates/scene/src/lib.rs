@@ -1,4 +1,4 @@
-//! Scenes: meshes, materials, cameras, and the files they come from.
+//! Scenes: meshes, materials, cameras, area lights, and the files they come from.
 //!
 //! [`load`] reads a file of any format that [`formats`] lists, [`builtin::by_name`] makes a scene by code. What a file
 //! does not say is decided by [`default_camera`] and [`Scene::add_ground`]. CPU shading reads a hit through
@@ -8,6 +8,7 @@ pub mod builtin;
 mod camera;
 mod error;
 mod framing;
+mod light;
 mod load;
 mod material;
 mod scene;
@@ -17,6 +18,7 @@ mod texture;
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
 pub use framing::{Ground, default_camera};
+pub use light::{AreaLight, AreaLightShape, PlacedLight};
 pub use load::{EnvironmentSettings, EnvironmentSource, Format, LoadOptions, LoadedScene, formats, load};
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
 pub use scene::{Bounds, MaterialId, Mesh, MeshId, Node, NodeId, Scene};

@@ -1,6 +1,6 @@
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-use crate::{Camera, Material, SceneError, Texture, TextureRef};
+use crate::{AreaLight, Camera, Material, SceneError, Texture, TextureRef};
 
 /// Index into [`Scene::meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,6 +59,8 @@ pub struct Scene {
     pub nodes: Vec<Node>,
     /// Cameras, in file order; the first is used unless another is named.
     pub cameras: Vec<Camera>,
+    /// Area lights, beside the environment; [`Scene::placed_lights`] has them in world space.
+    pub lights: Vec<AreaLight>,
     /// The node of the ground that [`Scene::add_ground`] or a built-in scene put under the models: it is drawn like any
     /// other, but does not count in framing.
     pub ground: Option<NodeId>,
@@ -207,6 +209,10 @@ impl Scene {
             "" => warning,
             name => format!("{name}: {warning}"),
         }));
+        self.lights.extend(other.lights.into_iter().map(|mut light| {
+            light.node.0 += first;
+            light
+        }));
         self.nodes.push(root);
         self.nodes.extend(other.nodes.into_iter().map(|mut node| {
             node.parent = Some(NodeId(node.parent.map_or(first - 1, |parent| parent.0 + first)));
@@ -221,9 +227,13 @@ impl Scene {
         if let Some(node) = world.iter().position(|affine| !affine.is_finite()) {
             return Err(format!("the transforms down to node {node} grow beyond all bounds"));
         }
-        let most = self.bounds().map_or(0.0, |bounds| bounds.min.abs().max(bounds.max.abs()).max_element());
-        if most > 1e15 || most.is_nan() {
-            return Err(format!("its geometry reaches {most:.1e} m from the origin"));
+        let corners = self.bounds().into_iter().flat_map(|bounds| [bounds.min, bounds.max]);
+        let lights = self.lights.iter().map(|light| world[light.node.0].translation.into());
+        let distance = |place: Vec3| if place.is_nan() { f32::NAN } else { place.abs().max_element() };
+        if let Some(far) =
+            corners.chain(lights).map(distance).find(|&distance| distance > 1e15 || distance.is_nan())
+        {
+            return Err(format!("its geometry and lights reach {far:.1e} m from the origin"));
         }
         Ok(())
     }

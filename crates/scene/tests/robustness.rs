@@ -78,7 +78,7 @@ static GLB: LazyLock<Vec<u8>> = LazyLock::new(|| {
     glb
 });
 
-const TOML: &[u8] = b"ground = \"plane\"\n[camera]\neye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 40\n[environment]\nbuiltin = \"sky\"\n[material.a]\nroughness = 0.5\n[[model]]\nbuiltin = \"three-boxes\"\nrotation = [0, 10, 0]\nscale = 2\nmaterial = \"a\"\n";
+const TOML: &[u8] = b"ground = \"plane\"\n[camera]\neye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 40\n[environment]\nbuiltin = \"sky\"\n[material.a]\nroughness = 0.5\n[[model]]\nbuiltin = \"three-boxes\"\nrotation = [0, 10, 0]\nscale = 2\nmaterial = \"a\"\n[[light]]\nshape = \"rectangle\"\nsize = [2, 1]\nposition = [0, 3, 0]\ntarget = [1, 0, 0]\nradiance = [5, 4, 3]\n";
 
 fn seeds() -> [(&'static str, Vec<u8>); 5] {
     [
@@ -105,6 +105,12 @@ fn attempt(folder: &Path, name: &str, bytes: &[u8]) {
                 assert_eq!(mesh.normals.len(), mesh.positions.len());
                 assert!(mesh.normals.iter().all(|normal| normal.is_normalized()));
                 assert!(mesh.positions.iter().all(|position| position.is_finite()));
+            }
+            assert!(scene.lights.iter().all(|light| light.node.0 < scene.nodes.len()));
+            for light in scene.placed_lights() {
+                assert!(
+                    light.normal.is_normalized() && light.center.is_finite() && light.radiance.is_finite()
+                );
             }
             assert!(scene.bounds().is_none_or(|bounds| bounds.min.is_finite() && bounds.max.is_finite()));
             assert!(gnomon_scene::default_camera(scene, 1.5).world_from_camera.is_finite());

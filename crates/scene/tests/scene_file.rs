@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use gnomon_scene::{
-    Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, SceneError, load,
+    AreaLightShape, Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene,
+    SceneError, load,
 };
 
 fn attempt(text: &str) -> Result<LoadedScene, SceneError> {
@@ -69,6 +70,30 @@ fn cameras_and_materials_of_models_come_along() {
 }
 
 #[test]
+fn lights_are_placed_and_ride_on_models() {
+    let loaded = attempt(
+        "[[model]]\nfile = \"triangle.obj\"\nname = \"cart\"\ntranslation = [0, 0, 3]\nscale = 2\n\
+         [[light]]\nshape = \"rectangle\"\nsize = [2, 1]\nposition = [1, 2, 3]\ntarget = [1, 2, -5]\nroll = 90\nradiance = [1, 2, 3]\n\
+         [[light]]\nshape = \"sphere\"\nradius = 0.5\npower = [9.8696044, 0, 0]\nnode = \"cart\"\nposition = [0, 1, 0]\n\
+         [[light]]\nshape = \"square\"\nsize = 2\ndirection = [0, -9e30, 0]\nradiance = [1, 1, 1]\n\
+         [[light]]\nshape = \"disk\"\nradius = 2\ndirection = [1, 0, 0]\nradiance = [0, 0, 0]\nname = \"dark\"\n",
+    )
+    .unwrap();
+    assert_eq!(loaded.scene.lights.len(), 4);
+    assert_eq!(loaded.scene.nodes.last().unwrap().name, "dark");
+    let [panel, bulb, lid] = loaded.scene.placed_lights()[..] else { panic!("the dark one is left out") };
+    assert_eq!(panel.shape, AreaLightShape::Rectangle { size: Vec2::new(2.0, 1.0) });
+    assert_eq!((panel.center, panel.normal), (Vec3::new(1.0, 2.0, 3.0), Vec3::NEG_Z));
+    // By the right-hand rule about -z, +x goes to -y.
+    assert!((panel.tangent - Vec3::NEG_Y).length() < 1e-6, "{}", panel.tangent);
+    assert_eq!(bulb.shape, AreaLightShape::Sphere { radius: 0.5 });
+    assert!((bulb.center - Vec3::new(0.0, 2.0, 3.0)).length() < 1e-6, "{}", bulb.center);
+    // Power pi^2 over pi times an area of pi.
+    assert!((bulb.radiance - Vec3::X).length() < 1e-6, "{}", bulb.radiance);
+    assert!((lid.normal - Vec3::NEG_Y).length() < 1e-6 && lid.tangent.y == 0.0);
+}
+
+#[test]
 fn mistakes_are_named_with_their_line() {
     for (text, reason) in [
         ("\ngruond = \"plane\"\n", "line 2: unknown field `gruond`"),
@@ -91,6 +116,44 @@ fn mistakes_are_named_with_their_line() {
         ),
         ("[environment]\nrotation = 3\n", "line 1: an environment has either"),
         ("[material.a]\nroughness = 2\n", "line 1: roughness of material 'a' must be 0 to 1"),
+        ("\n[[light]]\nradius = 1\n", "line 2: missing field `shape`"),
+        ("[[light]]\nshape = \"cone\"\n", "line 2: unknown variant `cone`"),
+        ("[[light]]\nshape = \"disk\"\nsize = 1\nradiance = [1, 1, 1]\n", "line 1: a disk has 'radius'"),
+        ("[[light]]\nshape = \"sphere\"\nradius = 0\nradiance = [1, 1, 1]\n", "radius must be 0.000001 to"),
+        ("[[light]]\nshape = \"sphere\"\nradius = nan\nradiance = [1, 1, 1]\n", "radius must be 0.000001 to"),
+        ("[[light]]\nshape = \"square\"\nsize = [1, 1]\nradiance = [1, 1, 1]\n", "a square has 'size', one"),
+        ("[[light]]\nshape = \"rectangle\"\nsize = 1\nradiance = [1, 1, 1]\n", "a rectangle has 'size', two"),
+        ("[[light]]\nshape = \"rectangle\"\nsize = [1, -1]\nradiance = [1, 1, 1]\n", "size must be"),
+        ("[[light]]\nshape = \"sphere\"\nradius = 1\n", "either 'radiance' or 'power'"),
+        (
+            "[[light]]\nshape = \"sphere\"\nradius = 1\nradiance = [1, -1, 1]\n",
+            "radiance must be three finite",
+        ),
+        (
+            "[[light]]\nshape = \"sphere\"\nradius = 1e-5\npower = [1e30, 0, 0]\n",
+            "power gives a radiance above",
+        ),
+        (
+            "[[light]]\nshape = \"sphere\"\nradius = 1\nradiance = [1, 1, 1]\nroll = 3\n",
+            "a sphere has no 'target'",
+        ),
+        ("[[light]]\nshape = \"disk\"\nradius = 1\nradiance = [1, 1, 1]\n", "either 'target' or 'direction'"),
+        (
+            "[[light]]\nshape = \"disk\"\nradius = 1\nradiance = [1, 1, 1]\ntarget = [0, 0, 0]\n",
+            "'target' or 'direction' gives no direction",
+        ),
+        (
+            "[[light]]\nshape = \"disk\"\nradius = 1\nradiance = [1, 1, 1]\ntarget = [0, inf, 0]\n",
+            "'target' or 'direction' gives no direction",
+        ),
+        (
+            "[[light]]\nshape = \"sphere\"\nradius = 1\nradiance = [1, 1, 1]\nposition = [1e20, 0, 0]\n",
+            "lights reach 1.0e20 m",
+        ),
+        (
+            "[[light]]\nshape = \"sphere\"\nradius = 1\nradiance = [1, 1, 1]\nnode = \"cart\"\n",
+            "line 1: there is no node 'cart'",
+        ),
         ("ground = \n", "line 1: "),
     ] {
         let error = attempt(text).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Gnomon's own scene file: models placed in a scene, their materials, camera, environment and ground. The format is
+//! Gnomon's own scene file: models and lights placed in a scene, materials, camera, environment and ground. The format is
 //! described in `SCENE_FORMAT.md` beside this crate's manifest.
 
 use std::collections::BTreeMap;
@@ -12,6 +12,8 @@ use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadedScene, Source,
 use crate::camera::CameraSettings;
 use crate::error::{Fault, one_line};
 use crate::{Ground, Material, MaterialId, Node, Scene, builtin};
+
+mod light;
 
 /// Reads a scene file and the models that it places.
 pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
@@ -38,6 +40,8 @@ struct SceneFile {
     material: BTreeMap<String, Spanned<MaterialEntry>>,
     #[serde(default)]
     model: Vec<Spanned<ModelEntry>>,
+    #[serde(default)]
+    light: Vec<Spanned<light::LightEntry>>,
 }
 
 #[derive(Deserialize)]
@@ -111,6 +115,9 @@ impl Reader<'_> {
         }
         for model in &file.model {
             self.place(model, &materials, &mut scene, budget)?;
+        }
+        for light in &file.light {
+            light.get_ref().add_to(&mut scene).map_err(|message| self.at(light, message))?;
         }
         let environment = file.environment.as_ref().map(|entry| self.environment(entry)).transpose()?;
         Ok(LoadedScene { scene, environment, ground: file.ground.unwrap_or(Ground::None) })
