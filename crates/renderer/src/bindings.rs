@@ -22,6 +22,8 @@ pub(crate) enum Binding {
         dimension: wgpu::TextureViewDimension,
     },
     Sampler,
+    /// A sampler that compares depths.
+    ComparisonSampler,
 }
 
 pub(crate) const D2: wgpu::TextureViewDimension = wgpu::TextureViewDimension::D2;
@@ -52,6 +54,7 @@ impl Binding {
                 view_dimension: dimension,
             },
             Self::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+            Self::ComparisonSampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
-use gnomon_shaders::twin::{math, series};
+use gnomon_shaders::twin::{depth_moments, math, sample_pattern, series};
 
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
@@ -236,6 +236,60 @@ fn shadow_series() {
             )
         },
     );
+}
+
+#[test]
+fn sample_patterns() {
+    let body = "vec4f(vogel_disk(u32(a.x * 64.0), u32(a.y * 64.0) + 1u, a.z), hammersley(u32(a.x * 64.0), u32(a.y * 64.0) + 1u))";
+    compare(
+        "sample_pattern",
+        body,
+        1e-4,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            let (i, count) = ((a.x * 64.0) as u32, (a.y * 64.0) as u32 + 1);
+            let (disk, square) =
+                (sample_pattern::vogel_disk(i, count, a.z), sample_pattern::hammersley(i, count));
+            disk.extend(square.x).extend(square.y)
+        },
+    );
+    compare(
+        "sample_pattern",
+        "vec4f(noise(a.xyz), 0.0, 0.0)",
+        0.0,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| sample_pattern::noise(a.truncate()).extend(0.0).extend(0.0),
+    );
+}
+
+#[test]
+fn moments_of_depth() {
+    // Four depths far enough apart for well-conditioned moments, the receiver's among them.
+    let input = |u: Vec4, v: Vec4| {
+        let z = Vec4::new(-0.9, -0.4, 0.1, 0.6) + 0.3 * u;
+        let receiver = Vec4::new(2.0 * v.x - 1.0, 0.1 + v.y, 0.1 + v.z, 0.1 + v.w);
+        [z, receiver]
+    };
+    let weights = "vec4f(b.yzw, 0.5) / (b.y + b.z + b.w + 0.5)";
+    let columns = "depth_moments(a.x), depth_moments(a.y), depth_moments(a.z), depth_moments(a.w)";
+    let moments = format!("biased_moments(mat4x4f({columns}) * ({weights}), 1e-4)");
+    let twin = |[a, b]: [Vec4; 2]| {
+        let weights = Vec4::new(b.y, b.z, b.w, 0.5) / (b.y + b.z + b.w + 0.5);
+        let moments = (0..4).map(|i| weights[i] * depth_moments::depth_moments(a[i])).sum();
+        depth_moments::biased_moments(moments, 1e-4)
+    };
+    compare("depth_moments", &moments, 1e-6, input, twin);
+    // The matrix of moments amplifies rounding by its condition, some 1e3.
+    let atoms = format!("three_atoms({moments}, b.x)");
+    let body = format!(
+        "vec4f({atoms}.weights.x, blockers_in_front({atoms}) * vec2f(1.0, blockers_in_front({atoms}).x), 0.0)"
+    );
+    compare("depth_moments", &body, 2e-3, input, |[a, b]| {
+        let atoms = depth_moments::three_atoms(twin([a, b]), b.x);
+        let found = depth_moments::blockers_in_front(atoms);
+        // Where next to nothing is in front, its depth means nothing.
+        Vec4::new(atoms.weights.x, found.x, found.x * found.y, 0.0)
+    });
 }
 
 #[test]

@@ -89,6 +89,41 @@ pub struct HardParameters {
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct PcfParameters {
+    pub samples: u32,
+    pub radius_uv: f32,
+    pub depth_bias: f32,
+    pub normal_offset_scale: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct PcssParameters {
+    pub search_samples: u32,
+    pub filter_samples: u32,
+    pub depth_bias: f32,
+    pub normal_offset_scale: f32,
+    pub rotate_per_pixel: u32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MomentParameters {
+    pub resolution: f32,
+    pub max_level: f32,
+    pub moment_bias: f32,
+    pub depth_bias: f32,
+    pub slope_bias: f32,
+    pub footprint_scale: f32,
+    pub intensity_scale: f32,
+    pub padding: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct ConvolutionParameters {
     pub order: u32,
     pub groups: u32,

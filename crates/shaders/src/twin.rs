@@ -2,5 +2,7 @@
 //!
 //! BRDFs have their twins in `gnomon-brdf`, form factors in `gnomon-lights`, tone mapping in `gnomon-image`, SH in `gnomon-envmap`.
 
+pub mod depth_moments;
 pub mod math;
+pub mod sample_pattern;
 pub mod series;

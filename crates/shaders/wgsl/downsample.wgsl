@@ -5,6 +5,7 @@
 @group(0) @binding(1) var coarse_rgba16: texture_storage_2d_array<rgba16float, write>;
 @group(0) @binding(2) var coarse_r32: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(3) var bilinear: sampler;
+@group(0) @binding(4) var coarse_rgba32: texture_storage_2d_array<rgba32float, write>;
 
 fn filtered(texel: vec2u, layer: u32) -> vec4f {
     let size = vec2f(textureDimensions(fine));
@@ -30,5 +31,12 @@ fn downsample_rgba16(@builtin(global_invocation_id) id: vec3u) {
 fn downsample_r32(@builtin(global_invocation_id) id: vec3u) {
     if all(id.xy < textureDimensions(coarse_r32)) {
         textureStore(coarse_r32, id.xy, id.z, filtered(id.xy, id.z));
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn downsample_rgba32(@builtin(global_invocation_id) id: vec3u) {
+    if all(id.xy < textureDimensions(coarse_rgba32)) {
+        textureStore(coarse_rgba32, id.xy, id.z, filtered(id.xy, id.z));
     }
 }

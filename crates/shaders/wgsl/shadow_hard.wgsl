@@ -1,6 +1,7 @@
 #import shadow_frame
 
-// Projective shadow map with a z-buffer test from the light's centre (Williams 1978; Heidrich 2001, section 2).
+// Projective shadow map with a z-buffer test from the light's centre (Williams 1978; Heidrich 2001, section 2): both depths as
+// the z-buffer stores them.
 
 @group(2) @binding(0) var<uniform> hard_parameters: HardParameters;
 @group(2) @binding(1) var depth_maps: texture_depth_2d_array;
@@ -12,6 +13,6 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     if any(texel < vec2i(0)) || any(texel >= size) {
         return 1.0;
     }
-    let z = linear_from_stored_depth(light, textureLoad(depth_maps, texel, light, 0));
-    return select(0.0, 1.0, receiver.z - hard_parameters.depth_bias <= z);
+    let stored = textureLoad(depth_maps, texel, light, 0);
+    return select(0.0, 1.0, stored_from_linear_depth(light, receiver.z) - hard_parameters.depth_bias <= stored);
 }

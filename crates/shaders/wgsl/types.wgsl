@@ -79,13 +79,58 @@ struct Material {
     uv_rows: array<vec4f, 12>,
 }
 
-// Parameters of hard shadow maps.
+// Parameters of hard shadow maps, stored or linear.
 struct HardParameters {
-    // Receiver depth is moved towards the light by this much, in light depth.
+    // Receiver depth is moved towards the light by this much, in the depth that is compared.
     depth_bias: f32,
     padding_0: f32,
     padding_1: f32,
     padding_2: f32,
+}
+
+// Parameters of percentage-closer filtering.
+struct PcfParameters {
+    samples: u32,
+    // Radius of the kernel as a share of the map's side.
+    radius_uv: f32,
+    // Receiver depth is moved towards the light by this much, in linear depth.
+    depth_bias: f32,
+    // Factor on the lights' offset along the normal.
+    normal_offset_scale: f32,
+}
+
+// Parameters of percentage-closer soft shadows.
+struct PcssParameters {
+    search_samples: u32,
+    filter_samples: u32,
+    // Receiver depth is moved towards the light by this much, in linear depth.
+    depth_bias: f32,
+    // Factor on the lights' offset along the normal.
+    normal_offset_scale: f32,
+    // Not 0: every point of the scene turns the point sets by noise of its own.
+    rotate_per_pixel: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+// Parameters of moment soft shadow maps.
+struct MomentParameters {
+    // Edge length of the shadow map in texels.
+    resolution: f32,
+    // Coarsest mip level.
+    max_level: f32,
+    // Share of a wide distribution mixed into every lookup.
+    moment_bias: f32,
+    // Receiver depth is moved towards the light by this much, in linear depth.
+    depth_bias: f32,
+    // The same per kernel width and slope of the receiver.
+    slope_bias: f32,
+    // Factor on every kernel's width.
+    footprint_scale: f32,
+    // Factor on the shadow, whose reconstruction is a lower bound.
+    intensity_scale: f32,
+    padding: f32,
 }
 
 // Parameters of convolution shadows (Annen et al. 2008).

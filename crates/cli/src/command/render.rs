@@ -50,7 +50,7 @@ pub struct GpuArgs {
     #[command(flatten)]
     pub fit: FitArgs,
 
-    /// Shadow technique: convolution, hard or none
+    /// Shadow technique: convolution, pcss, moments, pcf, hard, hard-linear or none
     #[arg(long, value_name = "NAME", default_value = "convolution")]
     pub shadows: String,
 

@@ -1,7 +1,6 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique};
-use crate::bindings::{Binding, D2_ARRAY};
+use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique, in_range};
 use crate::depth_maps::DepthMaps;
 use crate::{Gpu, RenderError};
 
@@ -11,8 +10,9 @@ pub(super) struct Hard;
 /// Parameters of hard shadow maps.
 #[derive(Clone, Debug)]
 pub struct HardSettings {
-    /// Distance towards the light by which a receiver is moved, as a share of the depth range. Surfaces tilted against the
-    /// light are covered by the offset along the normal; this bias only has to cover rounding.
+    /// Distance towards the light by which a receiver is moved, as a share of the *stored* depth's range, 0 to 1: under a
+    /// perspective map the same bias is more metres the farther the receiver. Surfaces tilted against the light are covered by
+    /// the offset along the normal; this bias only has to cover rounding.
     pub depth_bias: f32,
 }
 
@@ -46,23 +46,12 @@ impl ShadowTechnique for Hard {
         maps: &DepthMaps,
     ) -> Result<Box<dyn ShadowResources>, RenderError> {
         let parameters = layout::HardParameters {
-            depth_bias: settings.hard.depth_bias,
+            depth_bias: in_range("depth bias of hard shadows", settings.hard.depth_bias, 0.0..=1.0)?,
             padding_0: 0.0,
             padding_1: 0.0,
             padding_2: 0.0,
         };
-        let parameters =
-            gpu.buffer_with("hard shadows", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
-        let layout = gpu.layout(
-            "hard shadows",
-            wgpu::ShaderStages::COMPUTE,
-            &[(0, Binding::Uniform), (1, Binding::Depth { dimension: D2_ARRAY })],
-        );
-        let bind_group = gpu.bind_group(
-            "hard shadows",
-            &layout,
-            &[(0, parameters.as_entire_binding()), (1, wgpu::BindingResource::TextureView(&maps.array))],
-        );
-        Ok(Box::new(DepthMapsOnly { layout, bind_group }))
+        let parameters = bytemuck::bytes_of(&parameters);
+        Ok(Box::new(DepthMapsOnly::with_parameters(gpu, "hard shadows", parameters, maps)))
     }
 }

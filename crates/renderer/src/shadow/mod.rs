@@ -5,14 +5,23 @@
 
 mod convolution;
 mod hard;
+mod hard_linear;
+mod moments;
 mod none;
+mod pcf;
+mod pcss;
 
+use crate::bindings::{Binding, D2_ARRAY};
 use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 pub use convolution::ConvolutionSettings;
 pub use hard::HardSettings;
+pub use hard_linear::HardLinearSettings;
+pub use moments::MomentSettings;
+pub use pcf::PcfSettings;
+pub use pcss::PcssSettings;
 
 /// Parameters of all techniques.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +30,14 @@ pub struct ShadowSettings {
     pub convolution: ConvolutionSettings,
     /// Hard shadow maps.
     pub hard: HardSettings,
+    /// Hard shadow maps of linear depth.
+    pub hard_linear: HardLinearSettings,
+    /// Percentage-closer filtering.
+    pub pcf: PcfSettings,
+    /// Percentage-closer soft shadows.
+    pub pcss: PcssSettings,
+    /// Moment soft shadow maps.
+    pub moments: MomentSettings,
 }
 
 /// A way to tell how much of a light a point sees.
@@ -60,6 +77,40 @@ struct DepthMapsOnly {
     bind_group: wgpu::BindGroup,
 }
 
+impl DepthMapsOnly {
+    /// `parameters` at binding 0, the depth maps at 1 and at 2 a bilinear sampler that gives 1 where the reference depth is no
+    /// deeper than what is stored.
+    fn with_parameters(gpu: &Gpu, label: &'static str, parameters: &[u8], maps: &DepthMaps) -> Self {
+        let layout = gpu.layout(
+            label,
+            wgpu::ShaderStages::COMPUTE,
+            &[
+                (0, Binding::Uniform),
+                (1, Binding::Depth { dimension: D2_ARRAY }),
+                (2, Binding::ComparisonSampler),
+            ],
+        );
+        let parameters = gpu.buffer_with(label, parameters, wgpu::BufferUsages::UNIFORM);
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("lit if nearer"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
+        });
+        let bind_group = gpu.bind_group(
+            label,
+            &layout,
+            &[
+                (0, parameters.as_entire_binding()),
+                (1, wgpu::BindingResource::TextureView(&maps.array)),
+                (2, wgpu::BindingResource::Sampler(&sampler)),
+            ],
+        );
+        Self { layout, bind_group }
+    }
+}
+
 impl ShadowResources for DepthMapsOnly {
     fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
@@ -77,7 +128,28 @@ impl ShadowResources for DepthMapsOnly {
 }
 
 /// Every technique.
-const TECHNIQUES: &[&dyn ShadowTechnique] = &[&convolution::Convolution, &hard::Hard, &none::None];
+const TECHNIQUES: &[&dyn ShadowTechnique] = &[
+    &convolution::Convolution,
+    &pcss::Pcss,
+    &moments::Moments,
+    &pcf::Pcf,
+    &hard::Hard,
+    &hard_linear::HardLinear,
+    &none::None,
+];
+
+/// Settings come from people: `value`, if it lies in `range`.
+fn in_range<T: PartialOrd + std::fmt::Display>(
+    what: &'static str,
+    value: T,
+    range: std::ops::RangeInclusive<T>,
+) -> Result<T, RenderError> {
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let range = format!("{} to {}", range.start(), range.end());
+    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
+}
 
 /// Name and one-line summary of every technique.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -1,0 +1,204 @@
+use gnomon_shaders::layout;
+
+use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
+use crate::bindings::{Binding, D2_ARRAY, array_view, level_view};
+use crate::depth_maps::DepthMaps;
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+/// Moment soft shadow maps with four moments (Peters and Klein 2015; Peters, Muenstermann, Wetzstein and Klein 2016).
+pub(super) struct Moments;
+
+/// Parameters of moment soft shadow maps.
+#[derive(Clone, Debug)]
+pub struct MomentSettings {
+    /// Share of a wide distribution mixed into every lookup against rounding, 0 to 1. Moments of 32 bits need a hundredth of what
+    /// 16 bits need, and every share leaks light.
+    pub moment_bias: f32,
+    /// Distance towards the light by which a receiver is moved, as a share of the depth range, 0 to 1.
+    pub depth_bias: f32,
+    /// The same per depth that the receiver's tangent plane climbs over one kernel width, 0 to 10: its own surface is no blocker.
+    pub slope_bias: f32,
+    /// Factor on every kernel's width, 0 to 10.
+    pub footprint_scale: f32,
+    /// Factor on the shadow, which the moments only bound from below, 1 to 2.
+    pub intensity_scale: f32,
+}
+
+impl Default for MomentSettings {
+    fn default() -> Self {
+        Self {
+            moment_bias: 1e-6,
+            depth_bias: 0.002,
+            slope_bias: 0.0,
+            footprint_scale: 0.7,
+            intensity_scale: 1.1,
+        }
+    }
+}
+
+/// Filterable in 32 bits wherever the renderer runs at all. Half floats would lose the moments' differences, and 16-bit
+/// normalised storage textures are no part of WebGPU.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+impl ShadowTechnique for Moments {
+    fn name(&self) -> &'static str {
+        "moments"
+    }
+
+    fn summary(&self) -> &'static str {
+        "moment soft shadow maps: four filtered moments of depth (Peters et al. 2016)"
+    }
+
+    fn module(&self) -> &'static str {
+        "shadow_moments"
+    }
+
+    fn needs_depth_maps(&self) -> bool {
+        true
+    }
+
+    fn resources(
+        &self,
+        gpu: &Gpu,
+        settings: &ShadowSettings,
+        maps: &DepthMaps,
+    ) -> Result<Box<dyn ShadowResources>, RenderError> {
+        Ok(Box::new(Resources::new(gpu, &settings.moments, maps)?))
+    }
+}
+
+struct Resources {
+    layout: wgpu::BindGroupLayout,
+    bind_group: wgpu::BindGroup,
+    moments: wgpu::ComputePipeline,
+    moments_group: wgpu::BindGroup,
+    downsample: wgpu::ComputePipeline,
+    /// From the second level on.
+    level_groups: Vec<wgpu::BindGroup>,
+    resolution: u32,
+    light_count: u32,
+}
+
+impl Resources {
+    fn new(gpu: &Gpu, settings: &MomentSettings, maps: &DepthMaps) -> Result<Self, RenderError> {
+        let resolution = maps.resolution;
+        let levels = resolution.ilog2() + 1;
+        let parameters = layout::MomentParameters {
+            resolution: resolution as f32,
+            max_level: (levels - 1) as f32,
+            moment_bias: in_range("moment bias", settings.moment_bias, 0.0..=1.0)?,
+            depth_bias: in_range("depth bias of moment shadows", settings.depth_bias, 0.0..=1.0)?,
+            slope_bias: in_range("slope bias of moment shadows", settings.slope_bias, 0.0..=10.0)?,
+            footprint_scale: in_range(
+                "kernel scale of moment shadows",
+                settings.footprint_scale,
+                0.0..=10.0,
+            )?,
+            intensity_scale: in_range("intensity of moment shadows", settings.intensity_scale, 1.0..=2.0)?,
+            padding: 0.0,
+        };
+        let parameters =
+            gpu.buffer_with("moments", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
+        let image = gpu.texture(
+            "moments",
+            [resolution, resolution, maps.light_count.max(1)],
+            levels,
+            FORMAT,
+            wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
+        );
+        let trilinear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("trilinear"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let trilinear = wgpu::BindingResource::Sampler(&trilinear);
+
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let sampled = Binding::Texture { dimension: D2_ARRAY, filterable: true };
+        let written = Binding::StorageTexture { format: FORMAT, dimension: D2_ARRAY };
+        let layout = gpu.layout(
+            "moment shadows",
+            compute,
+            &[(0, Binding::Uniform), (1, sampled), (2, Binding::Sampler)],
+        );
+        let whole = array_view(&image);
+        let bind_group = gpu.bind_group(
+            "moment shadows",
+            &layout,
+            &[
+                (0, parameters.as_entire_binding()),
+                (1, wgpu::BindingResource::TextureView(&whole)),
+                (2, trilinear.clone()),
+            ],
+        );
+
+        let views: Vec<_> = (0..levels).map(|level| level_view(&image, level)).collect();
+        let view = wgpu::BindingResource::TextureView;
+        let moments_layout =
+            gpu.layout("moments", compute, &[(0, Binding::Depth { dimension: D2_ARRAY }), (1, written)]);
+        let moments_group =
+            gpu.bind_group("moments", &moments_layout, &[(0, view(&maps.array)), (1, view(&views[0]))]);
+        let level_layout =
+            gpu.layout("downsample", compute, &[(0, sampled), (3, Binding::Sampler), (4, written)]);
+        let level_groups = views
+            .windows(2)
+            .map(|pair| {
+                let resources = [(0, view(&pair[0])), (3, trilinear.clone()), (4, view(&pair[1]))];
+                gpu.bind_group("downsample", &level_layout, &resources)
+            })
+            .collect();
+        Ok(Self {
+            layout,
+            bind_group,
+            moments: gpu.compute_pipeline(
+                &gpu.shader("moments", &[])?,
+                "moments",
+                &[None, Some(&moments_layout)],
+            ),
+            moments_group,
+            downsample: gpu.compute_pipeline(
+                &gpu.shader("downsample", &[])?,
+                "downsample_rgba32",
+                &[Some(&level_layout)],
+            ),
+            level_groups,
+            resolution,
+            light_count: maps.light_count,
+        })
+    }
+}
+
+impl ShadowResources for Resources {
+    fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.bind_group
+    }
+
+    fn encode(&self, recorder: &mut Recorder<'_>) {
+        if self.light_count == 0 {
+            return;
+        }
+        let tiles = |size: u32| size.div_ceil(8);
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.moments);
+        pass.set_bind_group(1, &self.moments_group, &[]);
+        pass.dispatch_workgroups(tiles(self.resolution), tiles(self.resolution), self.light_count);
+        pass.set_pipeline(&self.downsample);
+        for (level, group) in (1..).zip(&self.level_groups) {
+            let size = tiles(self.resolution >> level);
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups(size, size, self.light_count);
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        // A full mip chain holds 4/3 of its top level; 16 bytes a texel.
+        16 * u64::from(self.resolution).pow(2) * 4 / 3 * u64::from(self.light_count)
+    }
+}

@@ -1,0 +1,73 @@
+use gnomon_shaders::layout;
+
+use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique, in_range};
+use crate::depth_maps::DepthMaps;
+use crate::{Gpu, RenderError};
+
+/// Percentage-closer filtering (Reeves et al. 1987) over a disk of fixed size.
+pub(super) struct Pcf;
+
+/// Parameters of percentage-closer filtering.
+#[derive(Clone, Debug)]
+pub struct PcfSettings {
+    /// Radius of the kernel in texels of the depth map, 0 to 1024.
+    pub radius_texels: f32,
+    /// Shadow tests a lookup, each between four texels: 1 to 1024.
+    pub samples: u32,
+    /// Factor on the renderer's offset along the normal, 0 to 10: the comparison with the receiver's own plane needs only so much
+    /// as covers half a texel, and every more leaks light at contacts.
+    pub normal_offset_scale: f32,
+    /// Distance towards the light by which a receiver is moved, as a share of the depth range, 0 to 1. Tilted surfaces are
+    /// covered by the comparison with their own plane; this bias only has to cover rounding.
+    pub depth_bias: f32,
+}
+
+impl Default for PcfSettings {
+    fn default() -> Self {
+        Self { radius_texels: 1.5, samples: 16, normal_offset_scale: 0.5, depth_bias: 0.001 }
+    }
+}
+
+impl ShadowTechnique for Pcf {
+    fn name(&self) -> &'static str {
+        "pcf"
+    }
+
+    fn summary(&self) -> &'static str {
+        "percentage-closer filtering with a fixed kernel (Reeves et al. 1987)"
+    }
+
+    fn module(&self) -> &'static str {
+        "shadow_pcf"
+    }
+
+    fn needs_depth_maps(&self) -> bool {
+        true
+    }
+
+    fn resources(
+        &self,
+        gpu: &Gpu,
+        settings: &ShadowSettings,
+        maps: &DepthMaps,
+    ) -> Result<Box<dyn ShadowResources>, RenderError> {
+        let settings = &settings.pcf;
+        let radius = in_range("radius of percentage-closer filtering", settings.radius_texels, 0.0..=1024.0)?;
+        let parameters = layout::PcfParameters {
+            samples: in_range("samples of percentage-closer filtering", settings.samples, 1..=1024)?,
+            radius_uv: radius / maps.resolution as f32,
+            normal_offset_scale: in_range(
+                "normal offset of percentage-closer filtering",
+                settings.normal_offset_scale,
+                0.0..=10.0,
+            )?,
+            depth_bias: in_range(
+                "depth bias of percentage-closer filtering",
+                settings.depth_bias,
+                0.0..=1.0,
+            )?,
+        };
+        let parameters = bytemuck::bytes_of(&parameters);
+        Ok(Box::new(DepthMapsOnly::with_parameters(gpu, "percentage-closer filtering", parameters, maps)))
+    }
+}

@@ -1,0 +1,16 @@
+#import shadow_frame
+#import depth_moments
+
+// Moments of all lights' shadow maps.
+
+@group(1) @binding(0) var depth_maps: texture_depth_2d_array;
+@group(1) @binding(1) var moment_maps: texture_storage_2d_array<rgba32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn moments(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= textureDimensions(depth_maps)) {
+        return;
+    }
+    let z = linear_from_stored_depth(id.z, textureLoad(depth_maps, id.xy, id.z, 0));
+    textureStore(moment_maps, id.xy, id.z, depth_moments(2.0 * z - 1.0));
+}

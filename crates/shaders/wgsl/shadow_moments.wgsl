@@ -1,0 +1,42 @@
+#import shadow_frame
+#import receiver_plane
+#import depth_moments
+#import series
+
+// Moment soft shadow maps (Peters, Muenstermann, Wetzstein and Klein 2016): two filtered lookups of four moments, one for the
+// blockers' depth, one for the shadow.
+
+@group(2) @binding(0) var<uniform> parameters: MomentParameters;
+@group(2) @binding(1) var moment_maps: texture_2d_array<f32>;
+@group(2) @binding(2) var trilinear: sampler;
+
+// Share of the first kernel below which nothing blocks but rounding.
+const FULLY_LIT: f32 = 0.005;
+
+// `blockers_in_front` of a receiver of linear depth `d` in a kernel of `width_uv`, the depth in its turn linear in [0, 1].
+fn filtered_blockers(light: u32, uv: vec2f, d: f32, width_uv: f32) -> vec2f {
+    let level = min(level_from_width(parameters.resolution * width_uv), parameters.max_level);
+    let moments = textureSampleLevel(moment_maps, trilinear, uv, light, level);
+    let found = blockers_in_front(three_atoms(biased_moments(moments, parameters.moment_bias), 2.0 * d - 1.0));
+    return vec2f(found.x, 0.5 * found.y + 0.5);
+}
+
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+    let receiver = receiver_in_light(light, position_world, normal_world);
+    if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
+        return 1.0;
+    }
+    // A tilted receiver's own surface spreads over so much depth per unit of kernel width.
+    let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position_world, normal_world, receiver));
+    let footprint = parameters.footprint_scale * lights[light].footprint;
+    let d = receiver.z - parameters.depth_bias;
+
+    let search_width = footprint * footprint_scale_uv(light, receiver.z, 0.0);
+    let search = filtered_blockers(light, receiver.xy, d - slope * search_width, search_width);
+    if search.x < FULLY_LIT {
+        return 1.0;
+    }
+    let width = footprint * footprint_scale_uv(light, receiver.z, min(search.y, receiver.z));
+    let shadow = filtered_blockers(light, receiver.xy, d - slope * width, width).x;
+    return 1.0 - min(parameters.intensity_scale * shadow, 1.0);
+}

@@ -1,0 +1,57 @@
+#import shadow_frame
+#import receiver_plane
+#import light_outline
+
+// Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline.
+
+@group(2) @binding(0) var<uniform> parameters: PcssParameters;
+@group(2) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(2) @binding(2) var lit_if_nearer: sampler_comparison;
+
+// Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
+fn blocker_search(light: u32, outline: Outline, receiver: vec3f, gradient: vec2f) -> vec2f {
+    let scale = footprint_scale_uv(light, receiver.z, 0.0);
+    let size = vec2i(textureDimensions(depth_maps));
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0u; i < parameters.search_samples; i++) {
+        let offset = scale * outline_point(outline, i, parameters.search_samples);
+        // The map's margin is empty, so that clamping to it finds nothing.
+        let texel = clamp(vec2i((receiver.xy + offset) * vec2f(size)), vec2i(0), size - 1);
+        let z = linear_from_stored_depth(light, textureLoad(depth_maps, texel, light, 0));
+        if z < receiver_plane_depth(receiver.z, gradient, offset) {
+            sum += z;
+            count += 1.0;
+        }
+    }
+    return vec2f(sum / max(count, 1.0), count);
+}
+
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+    let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
+    var receiver = receiver_in_light(light, position, normal_world);
+    if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
+        return 1.0;
+    }
+    let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
+    receiver.z -= parameters.depth_bias;
+    // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
+    var jitter = fract(f32(light) * vec2f(0.7548777, 0.5698403));
+    if parameters.rotate_per_pixel != 0u {
+        jitter = fract(jitter + noise(position_world));
+    }
+    let outline = light_outline(light, jitter);
+    let blockers = blocker_search(light, outline, receiver, gradient);
+    if blockers.y == 0.0 {
+        return 1.0;
+    }
+    let scale = footprint_scale_uv(light, receiver.z, blockers.x);
+    var lit = 0.0;
+    for (var i = 0u; i < parameters.filter_samples; i++) {
+        let offset = scale * outline_point(outline, i, parameters.filter_samples);
+        let d = receiver_plane_depth(receiver.z, gradient, offset);
+        let stored = stored_from_linear_depth(light, d);
+        lit += textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, stored);
+    }
+    return lit / f32(parameters.filter_samples);
+}
