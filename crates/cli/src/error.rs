@@ -4,12 +4,14 @@ use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
+use gnomon::bench::BenchError;
 use gnomon::envmap::EnvMapError;
 use gnomon::image::ImageError;
 use gnomon::lights::FitError;
 use gnomon::metrics::MetricsError;
 use gnomon::reference::ReferenceError;
 use gnomon::renderer::RenderError;
+use gnomon::report::ReportError;
 use gnomon::scene::SceneError;
 
 /// Why a command ended early.
@@ -53,6 +55,12 @@ pub enum CliError {
     /// The picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// An experiment gave nothing.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
 }
 
 impl CliError {

@@ -36,7 +36,7 @@ impl Terminal {
     /// A bar from 0 to 1 on standard error.
     pub fn bar(self, label: &'static str) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(Progress::STEPS), self.target());
-        bar.set_style(style("{prefix:>12} [{bar:30}] {percent:>3} %  {eta} left"));
+        bar.set_style(style("{prefix:>12} [{bar:30}] {percent:>3} %  {eta} left  {msg}"));
         bar.set_prefix(label);
         Progress(bar)
     }
@@ -70,6 +70,16 @@ impl Progress {
     /// Sets the finished share, 0..1. From any thread.
     pub fn set(&self, share: f32) {
         self.0.set_position((share.clamp(0.0, 1.0) * Self::STEPS as f32) as u64);
+    }
+
+    /// Says beside the bar what is being done. From any thread.
+    pub fn tell(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+
+    /// Clears the bar, lets `act` print, and draws it again.
+    pub fn suspend<T>(&self, act: impl FnOnce() -> T) -> T {
+        self.0.suspend(act)
     }
 }
 

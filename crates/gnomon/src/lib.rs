@@ -18,6 +18,7 @@
 //! # }
 //! ```
 
+pub use gnomon_bench as bench;
 pub use gnomon_brdf as brdf;
 pub use gnomon_envmap as envmap;
 pub use gnomon_image as image;

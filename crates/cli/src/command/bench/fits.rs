@@ -1,4 +1,4 @@
-use clap::{Args, Subcommand};
+use clap::Args;
 use gnomon::lights::bench::time_fits;
 use serde_json::json;
 
@@ -7,24 +7,12 @@ use crate::options::{EnvironmentSpec, load_environment};
 use crate::output;
 use crate::terminal::{Terminal, print};
 
-/// Measure how long things take on this machine
-#[derive(Args, Debug)]
-pub struct BenchArgs {
-    #[command(subcommand)]
-    bench: Bench,
-}
-
-#[derive(Subcommand, Debug)]
-enum Bench {
-    Fits(FitsArgs),
-}
-
 /// Time every light fit on one environment map
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   gnomon bench fits
   gnomon bench fits grace.hdr --repeats 9 --json")]
-struct FitsArgs {
+pub struct FitsArgs {
     /// Environment map (HDR or EXR), or a built-in one: room, sky (both are 1024 x 512)
     #[arg(value_name = "ENV", default_value = "room")]
     environment: String,
@@ -42,13 +30,7 @@ struct FitsArgs {
 ///
 /// # Errors
 /// An environment that cannot be read or fitted.
-pub fn run(args: &BenchArgs, terminal: Terminal) -> Result<(), CliError> {
-    match &args.bench {
-        Bench::Fits(args) => fits(args, terminal),
-    }
-}
-
-fn fits(args: &FitsArgs, terminal: Terminal) -> Result<(), CliError> {
+pub fn run(args: &FitsArgs, terminal: Terminal) -> Result<(), CliError> {
     let map = load_environment(&EnvironmentSpec::named(&args.environment), terminal)?;
     let spinner = terminal.spinner("fitting");
     let timings = time_fits(&map, args.repeats as usize)?;

@@ -1,0 +1,240 @@
+use std::rc::Rc;
+
+use gnomon_lights::LightSet;
+use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
+
+use super::common::{TIME_COLUMNS, fit_exists, fits, mebibytes, plan, stand_ins, time_cells};
+use super::variant::{Drawn, Variant};
+use crate::pictures::{difference, shown};
+use crate::timing::{TimingPlan, interleaved};
+use crate::{BenchError, Environment, Experiment, Lab, Setup, Stage, Truth};
+
+/// Figs 10 and 11: number of lights, and convolution shadows against many hard maps.
+pub(super) struct Lights;
+
+/// What every picture of a map shares.
+struct Scenery {
+    stage: Rc<Stage>,
+    environment: Rc<Environment>,
+    truth: Rc<Truth>,
+    size: [u32; 2],
+    resolution: u32,
+}
+
+impl Scenery {
+    fn setup<'a>(&'a self, lights: &'a LightSet) -> Setup<'a> {
+        Setup { stage: &self.stage, map: &self.environment.map, lights, size: self.size }
+    }
+}
+
+impl Experiment for Lights {
+    fn name(&self) -> &'static str {
+        "lights"
+    }
+
+    fn title(&self) -> &'static str {
+        "Number of lights, and many hard shadow maps (Figs 10 and 11)"
+    }
+
+    fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
+        let stage = lab.stage("bunny")?;
+        let environments =
+            lab.environments(lab.pick(&["rnl"], &["rnl", "stpeters"], &["rnl", "stpeters"]))?;
+        let size = lab.pick([32, 24], [128, 96], [256, 192]);
+        let resolution = lab.pick(32, 128, 256);
+        let columns = [
+            &[("environment", ""), ("fit", ""), ("lights asked for", ""), ("lights", "")][..],
+            &TIME_COLUMNS,
+            &[
+                ("shadow memory", "MiB"),
+                ("relative RMSE", ""),
+                ("relative bias", ""),
+                ("FLIP, weighted median", ""),
+            ],
+        ]
+        .concat();
+        let caption =
+            "Error against the number of lights: convolution, mip maps, M = 4; fits timed interleaved";
+        let mut section =
+            Section { tables: vec![Table::new("lights", caption, &columns)], ..Section::default() };
+        let mut duel = duel_table();
+        let share = 1.0 / environments.len().max(1) as f32;
+        for (index, environment) in environments.iter().enumerate() {
+            let start = index as f32 * share;
+            lab.tell(&format!("lights: tracing {}", environment.name), start);
+            let truth = lab.truth(&stage, environment, size, lab.pick(2, 256, 1024))?;
+            let scenery = Scenery {
+                stage: Rc::clone(&stage),
+                environment: Rc::clone(environment),
+                truth,
+                size,
+                resolution,
+            };
+            counts(lab, &scenery, (start, 0.6 * share), &mut section)?;
+            lab.tell(&format!("lights: many hard maps, {}", environment.name), start + 0.7 * share);
+            many_hard_maps(lab, &scenery, &mut duel, &mut section)?;
+            section.paragraphs.push(format!(
+                "{}: {} triangles, {} x {} pixels of 2 x 2 samples, {resolution} x {resolution} maps, truth: {}{}.",
+                environment.name,
+                stage.scene.triangle_count(),
+                size[0],
+                size[1],
+                scenery.truth.source,
+                scenery.truth.noise.map_or_else(String::new, |n| format!(", noise {}", significant(n, 2)))
+            ));
+        }
+        section.tables.push(duel);
+        let shown: Vec<&Environment> = environments.iter().map(Rc::as_ref).collect();
+        section.paragraphs.extend(stand_ins(&[&stage], &shown));
+        Ok(section)
+    }
+}
+
+/// One plot and one sheet of an environment: every fit with every number of lights.
+fn counts(
+    lab: &Lab<'_>,
+    scenery: &Scenery,
+    (start, share): (f32, f32),
+    section: &mut Section,
+) -> Result<(), BenchError> {
+    let counts: &[usize] = lab.pick(&[6], &[15, 30, 60, 120], &[15, 30, 45, 60, 80, 120, 200]);
+    let name = scenery.environment.name;
+    let truth = &scenery.truth.picture;
+    let mut plot = Plot::new(
+        format!("lights_{name}"),
+        format!("Error against the number of lights: {name}"),
+        Axis::logarithmic("lights", "").with_ticks(counts.iter().map(|&count| count as f64).collect()),
+        Axis::logarithmic("relative RMSE", ""),
+    );
+    plot.series = fits().into_iter().map(|fit| Series::new(fit, Vec::new())).collect();
+    let mut sheet = ContactSheet::new(format!("lights_{name}"), format!("Lights: {name}"), 4);
+    sheet.enlargement = lab.pick(1, 2, 1);
+    for (step, &count) in counts.iter().enumerate() {
+        lab.tell(&format!("lights: {name}, {count}"), start + share * step as f32 / counts.len() as f32);
+        let mut sets = Vec::new();
+        for fit in fits() {
+            sets.push(lab.lights(fit, count, &scenery.environment)?);
+        }
+        let mut drawn = Vec::new();
+        for set in &sets {
+            let setup = scenery.setup(set);
+            let new = Drawn::new(lab, &Variant::mip(4), setup, scenery.resolution, "ratio", truth)?;
+            drawn.push(new);
+        }
+        let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
+        let few = TimingPlan { least_rounds: lab.pick(1, 1, 3), ..plan(lab, 3.0) };
+        let mut spreads = interleaved(&mut rivals, &few)?.into_iter();
+        drop(rivals);
+        for ((set, drawn), series) in sets.iter().zip(&drawn).zip(&mut plot.series) {
+            let found = set.lights.len();
+            let spread = drawn.as_ref().and_then(|_| spreads.next());
+            let mut row: Vec<Cell> = vec![name.into(), set.method.into(), count.into(), found.into()];
+            row.extend(time_cells(spread.as_ref()));
+            if let Some(drawn) = drawn {
+                let comparison = &drawn.comparison;
+                row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
+                row.push(comparison.relative_rmse.into());
+                row.push(comparison.relative_bias.into());
+                row.push(f64::from(comparison.flip.weighted_median).into());
+                series.points.push((found as f64, comparison.relative_rmse));
+                let caption =
+                    format!("{found} {}\nRMSE {}", set.method, significant(comparison.relative_rmse, 3));
+                sheet.panels.push(Panel::new(caption, difference(&drawn.picture, truth)?));
+            }
+            if let Some(table) = section.tables.first_mut() {
+                table.push(row);
+            }
+        }
+    }
+    sheet.columns = fits().len() as u32;
+    sheet.title = format!("Picture - truth: {name}");
+    section.plots.push(plot);
+    section.sheets.push(sheet);
+    Ok(())
+}
+
+fn duel_table() -> Table {
+    let columns = [
+        &[("environment", ""), ("technique", ""), ("lights", "")][..],
+        &TIME_COLUMNS,
+        &[
+            ("times the time of 30 convolution lights", ""),
+            ("shadow memory", "MiB"),
+            ("relative RMSE", ""),
+            ("paper, 8800 GTX", "ms"),
+        ],
+    ]
+    .concat();
+    let caption = "30 lights with convolution shadows against many hard shadow maps of the same resolution, timed interleaved";
+    Table::new("lights_hard_maps", caption, &columns)
+}
+
+/// Convolution with 30 lights, then hard maps: 500, and at full effort also 100 and 1000.
+fn many_hard_maps(
+    lab: &Lab<'_>,
+    scenery: &Scenery,
+    table: &mut Table,
+    section: &mut Section,
+) -> Result<(), BenchError> {
+    // Point samples where there is such a fit; else the centres of rectangles, which is all that a hard map sees of them.
+    let points = if fit_exists("samples") { "samples" } else { "rectangles" };
+    let areas = if fit_exists("partition") { "partition" } else { "rectangles" };
+    let hard: &[usize] = lab.pick(&[7], &[500], &[100, 500, 1000]);
+    let truth = &scenery.truth.picture;
+    let mut plan_of = vec![];
+    for variant in Variant::prefilters(4) {
+        plan_of.push((variant, lab.lights(areas, lab.pick(6, 30, 30), &scenery.environment)?));
+    }
+    for &count in hard {
+        plan_of.push((Variant::technique("hard"), lab.lights(points, count, &scenery.environment)?));
+    }
+    let mut drawn = Vec::new();
+    for (variant, set) in &plan_of {
+        drawn.extend(
+            Drawn::new(lab, variant, scenery.setup(set), scenery.resolution, "ratio", truth)?
+                .map(|d| (d, set)),
+        );
+    }
+    let mut rivals: Vec<_> = drawn.iter_mut().map(|(drawn, _)| drawn.renderer.rival()).collect();
+    let spreads = interleaved(&mut rivals, &plan(lab, 40.0))?;
+    drop(rivals);
+    let ours = spreads.first().map_or(f64::NAN, |spread| spread.median);
+    let name = scenery.environment.name;
+    let mut sheet =
+        ContactSheet::new(format!("lights_hard_maps_{name}"), format!("Many hard maps: {name}"), 2);
+    sheet.enlargement = lab.pick(1, 2, 1);
+    let stops = drawn.first().map_or(0.0, |(drawn, _)| drawn.comparison.exposure);
+    sheet.panels.push(Panel::new(format!("truth\n{}", scenery.truth.source), shown(truth, stops)));
+    sheet.panels.push(Panel::new("truth - truth", difference(truth, truth)?));
+    for ((drawn, set), spread) in drawn.iter().zip(&spreads) {
+        let found = set.lights.len();
+        let mut row: Vec<Cell> =
+            vec![name.into(), format!("{}, {}", drawn.name, set.method).into(), found.into()];
+        row.extend(time_cells(Some(spread)));
+        row.push((spread.median / ours).into());
+        row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
+        row.push(drawn.comparison.relative_rmse.into());
+        // Fig. 11: St Peter's, 25.4, 7.5 and 1.4 frames a second.
+        let paper = [("mip", 30, 25.4), ("SAT", 30, 7.5), ("hard", 500, 1.4)];
+        let paper = paper.iter().find(|(part, count, _)| {
+            name == "stpeters" && drawn.name.contains(part) && (found as i64 - count).abs() <= 5
+        });
+        row.push(paper.map(|(_, _, rate)| 1000.0 / rate).into());
+        table.push(row);
+        let caption = format!(
+            "{found} {}\nRMSE {}, {} ms",
+            drawn.name,
+            significant(drawn.comparison.relative_rmse, 3),
+            significant(spread.median, 3)
+        );
+        sheet.panels.push(Panel::new(caption, shown(&drawn.picture, stops)));
+        sheet.panels.push(Panel::new("picture - truth", difference(&drawn.picture, truth)?));
+    }
+    section.sheets.push(sheet);
+    if points != "samples" {
+        section.paragraphs.push(
+            "Hard maps stand at the centres of rectangles: there is no fit of point samples.".to_owned(),
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,144 @@
+use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
+
+use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells};
+use super::variant::{Drawn, Variant};
+use crate::pictures::shown;
+use crate::timing::interleaved;
+use crate::{BenchError, Experiment, Lab, Setup};
+
+/// Figs 8 and 9: order of the series, ringing suppression and sharpening; filters.
+pub(super) struct Order;
+
+/// Orders of the series.
+const ORDERS: [u32; 5] = [1, 2, 4, 8, 16];
+
+/// What of the reconstruction is on: name, ringing suppression, sharpening.
+const PARTS: [(&str, bool, bool); 4] = [
+    ("suppression and sharpening", true, true),
+    ("suppression alone", true, false),
+    ("sharpening alone", false, true),
+    ("neither", false, false),
+];
+
+/// The variant with parts of its reconstruction switched off.
+fn with_parts(mut variant: Variant, suppression: bool, sharpening: bool) -> Variant {
+    let settings = &mut variant.settings.convolution;
+    if !suppression {
+        (settings.black_point, settings.white_point) = (0.0, 1.0);
+        // It makes up for what the stretch between the two narrows.
+        settings.footprint_scale = 1.0;
+    }
+    if !sharpening {
+        settings.sharpening_a = 0.0;
+    }
+    variant
+}
+
+impl Experiment for Order {
+    fn name(&self) -> &'static str {
+        "order"
+    }
+
+    fn title(&self) -> &'static str {
+        "Order of the series, ringing suppression, sharpening and filters (Figs 8 and 9)"
+    }
+
+    fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
+        let stage = lab.stage("footbones")?;
+        let lamp = Lamp::new();
+        let size = lab.pick([32, 24], [192, 144], [384, 288]);
+        let resolution = lab.pick(32, 256, 512);
+        let setup = Setup { stage: &stage, map: &lamp.map, lights: &lamp.lights, size };
+        lab.tell("order: tracing", 0.0);
+        let truth = lab.truth_of_lights(&setup, lab.pick(2, 128, 1024))?;
+
+        let columns = [
+            ("order M", ""),
+            ("reconstruction", ""),
+            ("relative RMSE", ""),
+            ("relative bias", ""),
+            ("FLIP, weighted median", ""),
+        ];
+        let mut quality =
+            Table::new("order", "Error with parts of the reconstruction switched off", &columns);
+        let mut plot = Plot::new(
+            "order",
+            "Error against the order of the series",
+            Axis::logarithmic("order M", "").with_ticks(ORDERS.map(f64::from).to_vec()),
+            Axis::linear("relative RMSE", ""),
+        );
+        let mut sheet = ContactSheet::new("order", "Order M and parts of the reconstruction", 5);
+        let orders: &[u32] = lab.pick(&[4], &ORDERS, &ORDERS);
+        let steps = (orders.len() * PARTS.len()) as f32;
+        for (row, (name, suppression, sharpening)) in PARTS.into_iter().enumerate() {
+            let mut points = Vec::new();
+            for (column, &order) in orders.iter().enumerate() {
+                let step = (row * orders.len() + column) as f32;
+                lab.tell(&format!("order: M = {order}, {name}"), 0.3 + 0.4 * step / steps);
+                let variant = with_parts(Variant::mip(order), suppression, sharpening);
+                let drawn = Drawn::new(lab, &variant, setup, resolution, "additive", &truth.picture)?;
+                let Some(drawn) = drawn else { continue };
+                let comparison = &drawn.comparison;
+                quality.push([
+                    order.into(),
+                    name.into(),
+                    comparison.relative_rmse.into(),
+                    comparison.relative_bias.into(),
+                    f64::from(comparison.flip.weighted_median).into(),
+                ]);
+                points.push((f64::from(order), comparison.relative_rmse));
+                let caption =
+                    format!("M = {order}, {name}\nRMSE {}", significant(comparison.relative_rmse, 3));
+                sheet.panels.push(Panel::new(caption, shown(&drawn.picture, comparison.exposure)));
+            }
+            plot.series.push(Series::new(name, points));
+        }
+        lab.tell("order: timing", 0.7);
+        let (filters, filter_sheet) = filters(lab, orders, setup, resolution, &truth.picture)?;
+        let mut paragraphs = vec![format!(
+            "{} triangles, one distant square lamp ten degrees wide, {resolution} x {resolution} map, truth: {}{}. \
+             Without suppression the kernel's factor that makes up for it is 1.",
+            stage.scene.triangle_count(),
+            truth.source,
+            truth.noise.map_or_else(String::new, |noise| format!(", noise {}", significant(noise, 2)))
+        )];
+        paragraphs.extend(stand_ins(&[&stage], &[]));
+        let tables = vec![quality, filters];
+        let sheets = vec![sheet, filter_sheet];
+        Ok(Section { paragraphs, tables, plots: vec![plot], sheets, ..Section::default() })
+    }
+}
+
+/// Every order with every filter: time and error.
+fn filters(
+    lab: &Lab<'_>,
+    orders: &[u32],
+    setup: Setup<'_>,
+    resolution: u32,
+    truth: &gnomon_image::RgbImage,
+) -> Result<(Table, ContactSheet), BenchError> {
+    let columns =
+        [&[("technique", "")][..], &TIME_COLUMNS, &[("shadow memory", "MiB"), ("relative RMSE", "")]]
+            .concat();
+    let mut table = Table::new("order_filters", "Filters and orders: time, interleaved, and error", &columns);
+    let mut sheet = ContactSheet::new("order_filters", "Filters", 2);
+    let mut drawn = Vec::new();
+    for variant in orders.iter().flat_map(|&order| Variant::prefilters(order)) {
+        drawn.extend(Drawn::new(lab, &variant, setup, resolution, "additive", truth)?);
+    }
+    let mut rivals: Vec<_> = drawn.iter_mut().map(|drawn| drawn.renderer.rival()).collect();
+    let spreads = interleaved(&mut rivals, &plan(lab, 20.0))?;
+    drop(rivals);
+    for (drawn, spread) in drawn.iter().zip(&spreads) {
+        let mut row: Vec<Cell> = vec![drawn.name.as_str().into()];
+        row.extend(time_cells(Some(spread)));
+        row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
+        row.push(drawn.comparison.relative_rmse.into());
+        table.push(row);
+        if drawn.name.ends_with("M = 4") || drawn.name.ends_with("M = 16") {
+            let caption = format!("{}\nRMSE {}", drawn.name, significant(drawn.comparison.relative_rmse, 3));
+            sheet.panels.push(Panel::new(caption, shown(&drawn.picture, drawn.comparison.exposure)));
+        }
+    }
+    Ok((table, sheet))
+}

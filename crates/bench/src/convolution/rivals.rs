@@ -1,0 +1,150 @@
+use gnomon_metrics::Region;
+use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Style, Table, significant};
+
+use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells};
+use super::variant::{Drawn, Variant};
+use crate::pictures::{compare_within, cropped, difference, shown};
+use crate::timing::interleaved;
+use crate::{BenchError, Experiment, Lab, Setup};
+
+/// Fig. 7: techniques on one light against ray tracing.
+pub(super) struct Rivals;
+
+/// Frames per second of the paper's Fig. 7 (GeForce 8800 GTX, 212 k faces, 512 x 512 map).
+const PAPER: [(&str, f64); 3] =
+    [("convolution, SAT, M = 4", 60.0), ("convolution, SAT, M = 16", 23.0), ("pcss", 18.0)];
+
+/// Where the model meets the ground, and where the shadow of its top falls: shares of width and height, left, top, width, height.
+const CLOSE_UPS: [(&str, [f32; 4]); 2] =
+    [("contact", [0.5, 0.70, 0.25, 0.25]), ("penumbra", [0.72, 0.50, 0.25, 0.25])];
+
+impl Experiment for Rivals {
+    fn name(&self) -> &'static str {
+        "rivals"
+    }
+
+    fn title(&self) -> &'static str {
+        "Quality and time of techniques on one light (Fig. 7)"
+    }
+
+    fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
+        let stage = lab.stage("buddha")?;
+        let lamp = Lamp::new();
+        let size = lab.pick([32, 24], [256, 192], [512, 384]);
+        let resolution = lab.pick(32, 256, 512);
+        let setup = Setup { stage: &stage, map: &lamp.map, lights: &lamp.lights, size };
+        lab.tell("rivals: tracing", 0.0);
+        let truth = lab.truth_of_lights(&setup, lab.pick(2, 128, 1024))?;
+        lab.tell("rivals: drawing", 0.5);
+        let mut drawn = Vec::new();
+        for variant in Variant::all() {
+            drawn.extend(Drawn::new(lab, &variant, setup, resolution, "additive", &truth.picture)?);
+        }
+        let mut rivals: Vec<_> = drawn.iter_mut().map(|drawn| drawn.renderer.rival()).collect();
+        lab.tell("rivals: timing", 0.7);
+        let spreads = interleaved(&mut rivals, &plan(lab, 30.0))?;
+        drop(rivals);
+
+        let regions = CLOSE_UPS.map(|(name, part)| region(name, part, size));
+        let columns = [
+            &[("technique", "")][..],
+            &TIME_COLUMNS,
+            &[
+                ("shadow memory", "MiB"),
+                ("relative RMSE", ""),
+                ("RMSE at the contact", ""),
+                ("RMSE in the penumbra", ""),
+                ("FLIP, weighted median", ""),
+                ("paper, 8800 GTX", "ms"),
+            ],
+        ]
+        .concat();
+        let mut table =
+            Table::new("rivals", "One light: time, interleaved, and error of the same picture", &columns);
+        for (drawn, spread) in drawn.iter().zip(&spreads) {
+            let mut row: Vec<Cell> = vec![drawn.name.as_str().into()];
+            row.extend(time_cells(Some(spread)));
+            row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
+            row.push(drawn.comparison.relative_rmse.into());
+            for region in &regions {
+                row.push(compare_within(&drawn.picture, &truth.picture, region)?.relative_rmse.into());
+            }
+            row.push(f64::from(drawn.comparison.flip.weighted_median).into());
+            let paper = PAPER.iter().find(|(name, _)| *name == drawn.name);
+            row.push(paper.map(|(_, rate)| 1000.0 / rate).into());
+            table.push(row);
+        }
+
+        let mut plot = Plot::new(
+            "rivals",
+            "Error against time, one light",
+            Axis::logarithmic("frame time", "ms"),
+            Axis::linear("relative RMSE", ""),
+        );
+        for (drawn, spread) in drawn.iter().zip(&spreads) {
+            let point = (spread.median, drawn.comparison.relative_rmse);
+            plot.series.push(Series::new(drawn.name.as_str(), vec![point]).styled(Style::Points));
+        }
+
+        let mut paragraphs = vec![format!(
+            "{} triangles, one distant square lamp ten degrees wide, {resolution} x {resolution} map, {} x {} pixels of 2 x 2 samples. \
+             Truth: {}{}.",
+            stage.scene.triangle_count(),
+            size[0],
+            size[1],
+            truth.source,
+            truth
+                .noise
+                .map_or_else(String::new, |noise| format!(", noise {} of its mean", significant(noise, 2)))
+        )];
+        paragraphs.extend(stand_ins(&[&stage], &[]));
+        let pictures = std::iter::once(("ray traced", &truth.picture, None))
+            .chain(drawn.iter().map(|drawn| (drawn.name.as_str(), &drawn.picture, Some(&drawn.comparison))));
+        let (mut whole, mut wrong) = (
+            ContactSheet::new("rivals", "One light", 3),
+            ContactSheet::new("rivals_difference", "Picture - truth", 3),
+        );
+        let mut close: Vec<_> = regions
+            .iter()
+            .map(|region| {
+                ContactSheet::new(format!("rivals_{}", region.name), format!("Close-up: {}", region.name), 4)
+            })
+            .collect();
+        for (name, picture, comparison) in pictures {
+            let stops = drawn.first().map_or(0.0, |drawn| drawn.comparison.exposure);
+            let caption = match comparison {
+                Some(comparison) => format!("{name}\nRMSE {}", significant(comparison.relative_rmse, 3)),
+                None => name.to_owned(),
+            };
+            whole.panels.push(Panel::new(caption.clone(), shown(picture, stops)));
+            if comparison.is_some() {
+                wrong.panels.push(Panel::new(caption, difference(picture, &truth.picture)?));
+            }
+            for (sheet, region) in close.iter_mut().zip(&regions) {
+                sheet.enlargement = lab.pick(8, 4, 2);
+                let part = cropped(picture, region);
+                let caption = match comparison {
+                    Some(_) => {
+                        let error = compare_within(picture, &truth.picture, region)?.relative_rmse;
+                        format!("{name}\nRMSE {}", significant(error, 3))
+                    }
+                    None => name.to_owned(),
+                };
+                sheet.panels.push(Panel::new(caption, shown(&part, stops)));
+            }
+        }
+        let sheets = [vec![whole, wrong], close].concat();
+        Ok(Section { paragraphs, tables: vec![table], plots: vec![plot], sheets, ..Section::default() })
+    }
+}
+
+fn region(name: &str, [left, top, width, height]: [f32; 4], [across, down]: [u32; 2]) -> Region {
+    let pixels = |share: f32, whole: u32| (share * whole as f32).round() as u32;
+    Region {
+        name: name.to_owned(),
+        x: pixels(left, across),
+        y: pixels(top, down),
+        width: pixels(width, across).max(1),
+        height: pixels(height, down).max(1),
+    }
+}

@@ -1,0 +1,97 @@
+use std::borrow::Cow;
+
+use gnomon_image::RgbImage;
+use gnomon_metrics::{Comparison, compare};
+use gnomon_renderer::RenderSettings;
+use gnomon_renderer::shadow::{self, ShadowSettings};
+
+use crate::{BenchError, Lab, Setup, TimedRenderer};
+
+/// One way to draw shadows, under the name that tables give it.
+#[derive(Clone, Debug)]
+pub(super) struct Variant {
+    pub name: Cow<'static, str>,
+    /// Registered name of the technique.
+    pub technique: &'static str,
+    /// Its parameters.
+    pub settings: ShadowSettings,
+}
+
+impl Variant {
+    /// Any technique with its default parameters.
+    pub fn technique(technique: &'static str) -> Self {
+        Self { name: technique.into(), technique, settings: ShadowSettings::default() }
+    }
+
+    /// Convolution soft shadows with mip maps and M = `order`.
+    pub fn mip(order: u32) -> Self {
+        let mut variant = Self::technique("convolution");
+        variant.name = format!("convolution, mip, M = {order}").into();
+        variant.settings.convolution.order = order;
+        variant
+    }
+
+    /// Convolution soft shadows of M = `order` with every way of filtering.
+    pub fn prefilters(order: u32) -> Vec<Self> {
+        vec![Self::mip(order)]
+    }
+
+    /// Every technique there is, convolution at both of the paper's orders.
+    pub fn all() -> Vec<Self> {
+        shadow::names()
+            .flat_map(|(name, _)| match name {
+                "convolution" => [4, 16].into_iter().flat_map(Self::prefilters).collect(),
+                other => vec![Self::technique(other)],
+            })
+            .collect()
+    }
+
+    /// A renderer that uses it, with shadow maps of `resolution` texels a side; `None` where the adapter cannot hold it.
+    ///
+    /// # Errors
+    /// As [`TimedRenderer::if_it_fits`].
+    pub fn renderer<'a>(
+        &self,
+        lab: &Lab<'a>,
+        setup: Setup<'a>,
+        resolution: u32,
+        compositing: &str,
+        profile: bool,
+    ) -> Result<Option<TimedRenderer<'a>>, BenchError> {
+        let settings = RenderSettings {
+            shadows: self.technique.to_owned(),
+            shadow_settings: self.settings.clone(),
+            shadow_resolution: resolution,
+            compositing: compositing.to_owned(),
+            profile,
+            ..RenderSettings::default()
+        };
+        TimedRenderer::if_it_fits(lab, settings, setup)
+    }
+}
+
+/// A variant at work: its renderer, one picture, and how far that is from the truth.
+pub(super) struct Drawn<'a> {
+    pub name: String,
+    pub renderer: TimedRenderer<'a>,
+    pub picture: RgbImage,
+    pub comparison: Comparison,
+}
+
+impl<'a> Drawn<'a> {
+    /// `None` where the adapter cannot hold it.
+    pub fn new(
+        lab: &Lab<'a>,
+        variant: &Variant,
+        setup: Setup<'a>,
+        resolution: u32,
+        compositing: &str,
+        truth: &RgbImage,
+    ) -> Result<Option<Self>, BenchError> {
+        let renderer = variant.renderer(lab, setup, resolution, compositing, false)?;
+        let Some(mut renderer) = renderer else { return Ok(None) };
+        let picture = renderer.picture()?;
+        let comparison = compare(&picture, truth, None)?;
+        Ok(Some(Self { name: variant.name.to_string(), renderer, picture, comparison }))
+    }
+}

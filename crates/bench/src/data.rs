@@ -1,0 +1,185 @@
+use std::path::{Path, PathBuf};
+
+use gnomon_envmap::Equirect;
+use gnomon_scene::{Camera, Ground, LoadOptions, Scene, builtin, default_camera};
+
+use crate::BenchError;
+
+/// Width and height of every environment of a benchmark [texels]: those of the maps under which the truth pictures of the test data
+/// were made.
+pub(crate) const ENVIRONMENT_SIZE: (u32, u32) = (512, 256);
+
+/// Width over height of every picture of a benchmark.
+pub(crate) const ASPECT: f32 = 4.0 / 3.0;
+
+/// A named environment.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// Key in tables and file names.
+    pub name: &'static str,
+    /// Radiance, 512 x 256.
+    pub map: Equirect,
+    /// The built-in environment that was taken because no file was there.
+    pub stand_in: Option<&'static str>,
+}
+
+/// A named scene with its ground, and a view of it.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Key in tables and file names.
+    pub name: &'static str,
+    /// Models and ground.
+    pub scene: Scene,
+    /// The view, 4 : 3.
+    pub camera: Camera,
+    /// The built-in scene that was taken because no file was there.
+    pub stand_in: Option<&'static str>,
+}
+
+/// Where something comes from: files relative to the data folder, the first that exists; else a built-in.
+struct Source {
+    name: &'static str,
+    files: &'static [&'static str],
+    stand_in: &'static str,
+}
+
+const ENVIRONMENTS: &[Source] = &[
+    Source {
+        name: "grace",
+        files: &["reference/env_grace_latlong_512x256.exr", "env/debevec_grace_cross.hdr"],
+        stand_in: "room",
+    },
+    Source {
+        name: "stpeters",
+        files: &["reference/env_stpeters_latlong_512x256.exr", "env/debevec_stpeters_cross.hdr"],
+        stand_in: "room",
+    },
+    Source {
+        name: "galileo",
+        files: &["reference/env_galileo_latlong_512x256.exr", "env/debevec_galileo_cross.hdr"],
+        stand_in: "room",
+    },
+    Source { name: "kitchen", files: &["env/debevec_kitchen_cross.hdr"], stand_in: "room" },
+    Source { name: "rnl", files: &["env/debevec_rnl_cross.hdr"], stand_in: "sky" },
+    Source { name: "studio", files: &["env/cc0_studio_small_03_1k.hdr"], stand_in: "room" },
+    Source { name: "sunny", files: &["env/cc0_spiaggia_di_mondello_1k.hdr"], stand_in: "sky" },
+];
+
+const SCENES: &[Source] = &[
+    Source { name: "three_boxes", files: &["scenes/three_boxes.glb"], stand_in: "three-boxes" },
+    Source { name: "bunny", files: &["scenes/bunny_on_ground.glb"], stand_in: "column" },
+    Source { name: "buddha", files: &["models/happy_buddha_res3.ply"], stand_in: "column" },
+    Source { name: "footbones", files: &["models/footbones.ply"], stand_in: "column" },
+];
+
+/// Pictures that an independent renderer made of a scene under an environment, in the data folder.
+const TRUTHS: &[(&str, &str, &str)] = &[
+    ("three_boxes", "grace", "reference/three_boxes_grace.exr"),
+    ("three_boxes", "galileo", "reference/three_boxes_galileo.exr"),
+    ("bunny", "stpeters", "reference/bunny_flat_stpeters.exr"),
+];
+
+/// The external test data, or its absence.
+#[derive(Clone, Debug, Default)]
+pub struct DataFolder(pub Option<PathBuf>);
+
+impl DataFolder {
+    fn find(&self, files: &[&str]) -> Option<PathBuf> {
+        let folder = self.0.as_ref()?;
+        files.iter().map(|file| folder.join(file)).find(|path| path.is_file())
+    }
+
+    /// The environment of that name; a built-in one stands in for a file that is absent.
+    ///
+    /// # Errors
+    /// An unknown name, a file that cannot be used.
+    pub fn environment(&self, name: &str) -> Result<Environment, BenchError> {
+        let source = known(ENVIRONMENTS, "environment", name)?;
+        let (width, height) = ENVIRONMENT_SIZE;
+        let unknown = || BenchError::Request(format!("there is no environment '{}'", source.stand_in));
+        match self.find(source.files) {
+            Some(path) => {
+                let map = gnomon_envmap::load(&path, None)?.map.resized(width, height);
+                Ok(Environment { name: source.name, map, stand_in: None })
+            }
+            None => {
+                let map =
+                    gnomon_envmap::builtin::sized(source.stand_in, width, height).ok_or_else(unknown)?;
+                Ok(Environment { name: source.name, map, stand_in: Some(source.stand_in) })
+            }
+        }
+    }
+
+    /// The scene of that name on a ground; a built-in one stands in for a file that is absent.
+    ///
+    /// # Errors
+    /// An unknown name, a file that cannot be used.
+    pub fn stage(&self, name: &str) -> Result<Stage, BenchError> {
+        let source = known(SCENES, "scene", name)?;
+        let (mut scene, ground, stand_in) = match self.find(source.files) {
+            Some(path) => {
+                let loaded =
+                    gnomon_scene::load(&path, &LoadOptions { aspect: ASPECT, ..LoadOptions::default() })?;
+                (loaded.scene, loaded.ground, None)
+            }
+            None => (builtin::by_name(source.stand_in)?, Ground::None, Some(source.stand_in)),
+        };
+        let camera = scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, ASPECT));
+        scene.add_ground(ground);
+        Ok(Stage { name: source.name, scene, camera, stand_in })
+    }
+
+    /// A picture of the scene under the environment by an independent renderer: `SCENE_ENVIRONMENT.exr` in `folder`, or one of
+    /// the data folder's.
+    pub(crate) fn truth(&self, folder: Option<&Path>, scene: &str, environment: &str) -> Option<PathBuf> {
+        let given = folder.map(|folder| folder.join(format!("{scene}_{environment}.exr")));
+        given.filter(|path| path.is_file()).or_else(|| {
+            let listed = TRUTHS.iter().find(|(s, e, _)| (*s, *e) == (scene, environment));
+            self.find(&[listed?.2])
+        })
+    }
+}
+
+fn known(sources: &'static [Source], what: &str, name: &str) -> Result<&'static Source, BenchError> {
+    sources.iter().find(|source| source.name == name).ok_or_else(|| {
+        let names: Vec<_> = sources.iter().map(|source| source.name).collect();
+        BenchError::Request(format!(
+            "the benchmarks have no {what} '{name}' (they have: {})",
+            names.join(", ")
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_ins_stand_in_and_say_so() {
+        let data = DataFolder(None);
+        for source in ENVIRONMENTS {
+            let environment = data.environment(source.name).unwrap();
+            assert_eq!(environment.stand_in, Some(source.stand_in));
+            assert_eq!((environment.map.width(), environment.map.height()), ENVIRONMENT_SIZE);
+        }
+        for source in SCENES {
+            let stage = data.stage(source.name).unwrap();
+            assert!(stage.stand_in == Some(source.stand_in) && stage.scene.ground.is_some());
+        }
+        assert!(data.environment("mars").is_err() && data.stage("mars").is_err());
+        assert_eq!(data.truth(None, "three_boxes", "grace"), None);
+    }
+
+    #[test]
+    fn files_are_taken_where_they_are() {
+        let Some(folder) = gnomon_testing::data_dir() else {
+            gnomon_testing::skip("external data is absent (set GNOMON_DATA to its folder)");
+            return;
+        };
+        let data = DataFolder(Some(folder));
+        assert_eq!(data.environment("kitchen").unwrap().stand_in, None);
+        assert_eq!(data.stage("buddha").unwrap().stand_in, None);
+        assert!(data.truth(None, "bunny", "stpeters").is_some());
+        assert_eq!(data.truth(None, "bunny", "kitchen"), None);
+    }
+}

@@ -1,0 +1,21 @@
+//! Experiments: the evaluations of the papers that this project implements, made again on this machine.
+//!
+//! A [`Suite`] is the evaluation of one paper, an [`Experiment`] one figure or table of it: a file in the suite's folder and a
+//! line in its list. An experiment is given a [`Lab`] (adapter, data, truth pictures, how much time there is) and returns a
+//! [`gnomon_report::Section`]. Rivals are timed by [`timing::interleaved`], so that none has the machine for itself while
+//! another shares it, and every time stands beside an error against ray-traced truth.
+
+pub mod convolution;
+mod data;
+mod error;
+mod experiment;
+mod lab;
+mod pictures;
+mod setup;
+pub mod timing;
+
+pub use data::{DataFolder, Environment, Stage};
+pub use error::BenchError;
+pub use experiment::{Experiment, Suite, suites};
+pub use lab::{Effort, Lab, LabOptions, Truth};
+pub use setup::{Setup, TimedRenderer};

@@ -1,0 +1,32 @@
+mod fits;
+mod suite;
+
+use clap::{Args, Subcommand};
+
+use crate::error::CliError;
+use crate::terminal::Terminal;
+
+/// Measure how long things take on this machine, and how far from the truth they are
+#[derive(Args, Debug)]
+pub struct BenchArgs {
+    #[command(subcommand)]
+    bench: Bench,
+}
+
+#[derive(Subcommand, Debug)]
+enum Bench {
+    Fits(fits::FitsArgs),
+    /// Make the evaluation of convolution soft shadows (Annen et al. 2008) again
+    Convolution(suite::SuiteArgs),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Inputs that cannot be used, no adapter, an unwritable folder.
+pub fn run(args: &BenchArgs, terminal: Terminal) -> Result<(), CliError> {
+    match &args.bench {
+        Bench::Fits(args) => fits::run(args, terminal),
+        Bench::Convolution(args) => suite::run("convolution", args, terminal),
+    }
+}
