@@ -16,7 +16,7 @@ const PAPER: [(&str, f64); 3] =
 
 /// Where the model meets the ground, and where the shadow of its top falls: shares of width and height, left, top, width, height.
 const CLOSE_UPS: [(&str, [f32; 4]); 2] =
-    [("contact", [0.5, 0.70, 0.25, 0.25]), ("penumbra", [0.72, 0.50, 0.25, 0.25])];
+    [("contact", [0.44, 0.72, 0.25, 0.25]), ("penumbra", [0.70, 0.64, 0.25, 0.25])];
 
 impl Experiment for Rivals {
     fn name(&self) -> &'static str {
