@@ -1,8 +1,9 @@
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Affine3A, Mat4};
 use gnomon_scene::{MeshId, Scene, normal_matrix};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
+use crate::bounds::{InstanceBox, mesh_boxes};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -19,28 +20,6 @@ pub(crate) struct DrawRange {
     /// Index into the scene's materials; `None` is the default material.
     pub material: Option<usize>,
     pub indices: std::ops::Range<u32>,
-}
-
-/// Box around one instance in mesh space, and where it stands.
-#[derive(Clone, Copy)]
-pub(crate) struct InstanceBox {
-    pub min: Vec3,
-    pub max: Vec3,
-    pub world_from_mesh: Affine3A,
-}
-
-impl InstanceBox {
-    /// The eight corners in world space.
-    pub fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
-        (0..8).map(|i| {
-            let pick = |bit: u32, low: f32, high: f32| if i & bit == 0 { low } else { high };
-            self.world_from_mesh.transform_point3(Vec3::new(
-                pick(1, self.min.x, self.max.x),
-                pick(2, self.min.y, self.max.y),
-                pick(4, self.min.z, self.max.z),
-            ))
-        })
-    }
 }
 
 /// The scene's triangles on the GPU: as they lie in their meshes, and in world space after the frame's first pass.
@@ -117,13 +96,13 @@ impl Geometry {
                 Some(range) if range.material == material => range.indices.end = end,
                 _ => ranges.push(DrawRange { material, indices: first_index..end }),
             }
-            let used = mesh.triangles.iter().flatten().map(|&index| mesh.positions[index as usize]);
-            if let Some((min, max)) = used.fold(None, |bounds: Option<(Vec3, Vec3)>, p| {
-                let (min, max) = bounds.unwrap_or((p, p));
-                Some((min.min(p), max.max(p)))
-            }) {
-                boxes.push(InstanceBox { min, max, world_from_mesh: *world_from_mesh });
-            }
+            let world_from_mesh = *world_from_mesh;
+            boxes.extend(mesh_boxes(mesh).into_iter().map(|(min, max)| InstanceBox {
+                min,
+                max,
+                instance,
+                world_from_mesh,
+            }));
         }
 
         let storage = wgpu::BufferUsages::STORAGE;
@@ -172,9 +151,8 @@ impl Geometry {
             return false;
         }
         gpu.queue.write_buffer(&self.instances, 0, &instance_bytes(placed.iter().map(|(_, w)| *w)));
-        let with_triangles = placed.iter().filter(|(mesh, _)| !scene.meshes[mesh.0].triangles.is_empty());
-        for (place, (_, world_from_mesh)) in self.boxes.iter_mut().zip(with_triangles) {
-            place.world_from_mesh = *world_from_mesh;
+        for place in &mut self.boxes {
+            place.world_from_mesh = placed[place.instance].1;
         }
         true
     }

@@ -5,6 +5,7 @@
 //! every sample in compute; `resolve` filters samples to pixels and tone-maps them.
 
 mod bindings;
+mod bounds;
 mod camera;
 pub mod composite;
 mod depth_maps;

@@ -2,7 +2,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use gnomon_lights::{DistantLight, LightShape};
 use gnomon_shaders::layout;
 
-use crate::geometry::InstanceBox;
+use crate::bounds::InstanceBox;
 
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
 const MARGIN_TEXELS: f32 = 2.0;
@@ -22,6 +22,82 @@ pub(crate) fn footprint(light: &DistantLight) -> f32 {
     (variance / LOOKUP_VARIANCE).sqrt()
 }
 
+/// What a light's shadow map has to hold.
+struct Extent {
+    /// Corners along tangent, bitangent and `depth_axis` [m].
+    min: Vec3,
+    max: Vec3,
+    /// Depth is measured along this vector; a metre along the light is a metre of depth.
+    depth_axis: Vec3,
+}
+
+/// A plane such as a ground that has everything else on one side neither needs to be in the map to receive shadows nor, where
+/// the light shines on that side, to cast them: what lies outside the map is lit. That leaves the map's texels and depths
+/// to the models.
+fn extent(light: &DistantLight, boxes: &[InstanceBox]) -> Extent {
+    let corners: Vec<Vec<Vec3>> = boxes.iter().map(|b| b.corners().collect()).collect();
+    let size = bounds(corners.iter().flatten().copied()).map_or(0.0, |(min, max)| (max - min).max_element());
+    let tolerance = 1e-4 * size;
+    let mut held: Vec<Vec3> = Vec::new();
+    let mut blocking = Vec::new();
+    for (i, (place, own)) in boxes.iter().zip(&corners).enumerate() {
+        let others = || corners.iter().enumerate().filter(|(j, _)| *j != i).flat_map(|(_, corners)| corners);
+        let plane = place.plane().filter(|_| boxes.len() > 1);
+        let heights = plane.and_then(|(center, normal)| {
+            let towards_light = normal * normal.dot(light.direction).signum();
+            range_of(others().map(|corner| (*corner - center).dot(towards_light)))
+        });
+        match (plane, heights) {
+            (Some(_), Some((low, _))) if low >= -tolerance => {}
+            (Some(plane), Some((_, high))) if high <= tolerance => blocking.push((plane, own)),
+            _ => held.extend(own),
+        }
+    }
+    if held.is_empty() {
+        held = corners.concat();
+    }
+    let (tangent, bitangent, direction) = (light.tangent, light.bitangent, light.direction);
+    let (min, max) = bounds(held.iter().map(|p| Vec3::new(tangent.dot(*p), bitangent.dot(*p), 0.0)))
+        .unwrap_or((Vec3::ZERO, Vec3::ONE));
+
+    let depths = |axis: Vec3| {
+        let (mut near, mut far) = range_of(held.iter().map(|p| axis.dot(*p))).unwrap_or((0.0, 1.0));
+        for ((center, normal), own) in &blocking {
+            // Only what lies before the map blocks anything in it.
+            let whole = range_of(own.iter().map(|p| axis.dot(*p))).unwrap_or((near, far));
+            let over_map = range_of(
+                [(min.x, min.y), (min.x, max.y), (max.x, min.y), (max.x, max.y)].into_iter().map(|(u, v)| {
+                    let p = u * tangent + v * bitangent;
+                    axis.dot(p + direction * ((*center - p).dot(*normal) / normal.dot(direction)))
+                }),
+            )
+            .filter(|(low, high)| low.is_finite() && high.is_finite())
+            .unwrap_or(whole);
+            near = near.min(over_map.0.max(whole.0));
+            far = far.max(over_map.1.min(whole.1));
+        }
+        (near, far)
+    };
+    // Across a plane that blocks the light from the other side the plane itself has one depth, and nothing that touches it
+    // leaks. From the lit side of a ground, walls would pay for that with self-shadows.
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis / axis.dot(direction));
+    let (depth_axis, (near, far)) =
+        (axes.into_iter().filter(|axis| axis.is_finite() && !blocking.is_empty()))
+            .map(|axis| (axis, depths(axis)))
+            .fold((direction, depths(direction)), |best, next| {
+                if next.1.1 - next.1.0 < best.1.1 - best.1.0 { next } else { best }
+            });
+    Extent { min: min.with_z(near), max: max.with_z(far), depth_axis }
+}
+
+fn bounds(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
+    points.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+fn range_of(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
+    values.map(|v| (v, v)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
 /// The light as shaders see it, its shadow map fitted around the scene.
 pub(crate) fn light_uniform(
     light: &DistantLight,
@@ -29,14 +105,9 @@ pub(crate) fn light_uniform(
     resolution: u32,
     normal_offset_texels: f32,
 ) -> layout::Light {
-    let axes = [light.tangent, light.bitangent, light.direction];
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for corner in boxes.iter().flat_map(InstanceBox::corners) {
-        let p = Vec3::from(axes.map(|axis| axis.dot(corner)));
-        min = min.min(p);
-        max = max.max(p);
-    }
-    if !(max - min).is_finite() || boxes.is_empty() {
+    let Extent { mut min, mut max, depth_axis } = extent(light, boxes);
+    let axes = [light.tangent, light.bitangent, depth_axis];
+    if !(max - min).is_finite() {
         (min, max) = (Vec3::ZERO, Vec3::ONE);
     }
     let resolution = resolution as f32;
@@ -92,6 +163,7 @@ mod tests {
         vec![InstanceBox {
             min: Vec3::new(-1.0, 0.0, -2.0),
             max: Vec3::new(1.0, 3.0, 2.0),
+            instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }]
     }
