@@ -39,7 +39,7 @@ impl Default for ConvolutionSettings {
             sharpening_a: 15.0,
             sharpening_b: 20.0,
             depth_bias: 0.24,
-            footprint_scale: 1.2,
+            footprint_scale: 1.4,
         }
     }
 }
