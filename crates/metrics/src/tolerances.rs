@@ -56,6 +56,13 @@ pub const GPU_FURNACE: f32 = 0.05;
 /// Penumbra width of a disk light above a plane edge against the closed form, relative, parallel occluder.
 pub const PENUMBRA_WIDTH: f32 = 0.10;
 
+/// Place where a shadow's edge is half lit against the closed form, in texels of the depth map: a test of one texel rounds by
+/// half of one, and the offsets against self-shadowing move none on a surface that faces the light.
+pub const SHADOW_EDGE_TEXELS: f32 = 1.0;
+
+/// Visibility far inside a shadow, and what it lacks of 1 in full light, for techniques that are exact there but for rounding.
+pub const UMBRA: f32 = 0.01;
+
 /// Error-weighted median of FLIP for a soft shadow that is right. `tests/compare.rs` has 0.01 for noise of 2 %, 0.05 for a
 /// penumbra 10 % too wide, 0.18 for one twice too wide, 0.30 for a hard edge and 0.61 for a missing shadow, where the mean
 /// tells none of them from noise. Noise around a shadow drowns a fault as small as the 10 %: measure inside a region, and

@@ -119,7 +119,7 @@ pub struct MomentParameters {
     pub slope_bias: f32,
     pub footprint_scale: f32,
     pub intensity_scale: f32,
-    pub padding: f32,
+    pub normal_offset_scale: f32,
 }
 
 #[repr(C)]

@@ -98,7 +98,7 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             slope_bias,
             footprint_scale,
             intensity_scale,
-            padding,
+            normal_offset_scale,
         }),
         fields!(ConvolutionParameters {
             order,

@@ -22,12 +22,13 @@ fn filtered_blockers(light: u32, uv: vec2f, d: f32, width_uv: f32) -> vec2f {
 }
 
 fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
-    let receiver = receiver_in_light(light, position_world, normal_world);
+    let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
+    let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
     }
     // A tilted receiver's own surface spreads over so much depth per unit of kernel width.
-    let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position_world, normal_world, receiver));
+    let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position, normal_world, receiver));
     let footprint = parameters.footprint_scale * lights[light].footprint;
     let d = receiver.z - parameters.depth_bias;
 

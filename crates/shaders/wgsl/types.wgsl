@@ -130,7 +130,8 @@ struct MomentParameters {
     footprint_scale: f32,
     // Factor on the shadow, whose reconstruction is a lower bound.
     intensity_scale: f32,
-    padding: f32,
+    // Factor on the lights' offset along the normal.
+    normal_offset_scale: f32,
 }
 
 // Parameters of convolution shadows (Annen et al. 2008).

@@ -19,10 +19,14 @@ pub struct MomentSettings {
     pub depth_bias: f32,
     /// The same per depth that the receiver's tangent plane climbs over one kernel width, 0 to 10: its own surface is no blocker.
     pub slope_bias: f32,
-    /// Factor on every kernel's width, 0 to 10.
+    /// Factor on every kernel's width, 0 to 10. At 1.2, with `intensity_scale` 1, the penumbra of one light over a plane has its
+    /// closed form's width; where many depths meet under a kernel the moments leak light, the more the wider it is, and pictures
+    /// of many lights have the least error with narrower ones.
     pub footprint_scale: f32,
     /// Factor on the shadow, which the moments only bound from below, 1 to 2.
     pub intensity_scale: f32,
+    /// Factor on the renderer's offset along the normal, 0 to 10: filtered moments need less of it than single texels.
+    pub normal_offset_scale: f32,
 }
 
 impl Default for MomentSettings {
@@ -31,8 +35,9 @@ impl Default for MomentSettings {
             moment_bias: 1e-6,
             depth_bias: 0.002,
             slope_bias: 0.0,
-            footprint_scale: 0.7,
+            footprint_scale: 0.6,
             intensity_scale: 1.1,
+            normal_offset_scale: 0.5,
         }
     }
 }
@@ -96,7 +101,11 @@ impl Resources {
                 0.0..=10.0,
             )?,
             intensity_scale: in_range("intensity of moment shadows", settings.intensity_scale, 1.0..=2.0)?,
-            padding: 0.0,
+            normal_offset_scale: in_range(
+                "normal offset of moment shadows",
+                settings.normal_offset_scale,
+                0.0..=10.0,
+            )?,
         };
         let parameters =
             gpu.buffer_with("moments", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
