@@ -18,7 +18,7 @@ fn every_experiment_leaves_readable_files() {
     std::fs::create_dir(&empty).unwrap();
     let arguments = ["bench", "convolution", "--smoke", "-o", "deep/out", "--data", "empty"];
     let run = gnomon(folder.path(), &arguments).succeeded();
-    assert!(run.out.contains("convolution, mip, M = 4") && run.out.contains("report.md"), "{}", run.out);
+    assert!(run.out.contains("convolution mip M=4") && run.out.contains("report.md"), "{}", run.out);
 
     let out = folder.path().join("deep/out");
     let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();

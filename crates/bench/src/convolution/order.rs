@@ -87,8 +87,7 @@ impl Experiment for Order {
                     f64::from(comparison.flip.weighted_median).into(),
                 ]);
                 points.push((f64::from(order), comparison.relative_rmse));
-                let caption =
-                    format!("M = {order}, {name}\nRMSE {}", significant(comparison.relative_rmse, 3));
+                let caption = format!("M={order}, {name}\nRMSE {}", significant(comparison.relative_rmse, 3));
                 sheet.panels.push(Panel::new(caption, shown(&drawn.picture, comparison.exposure)));
             }
             plot.series.push(Series::new(name, points));
@@ -135,7 +134,7 @@ fn filters(
         row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
         row.push(drawn.comparison.relative_rmse.into());
         table.push(row);
-        if drawn.name.ends_with("M = 4") || drawn.name.ends_with("M = 16") {
+        if drawn.name.ends_with("M=4") || drawn.name.ends_with("M=16") {
             let caption = format!("{}\nRMSE {}", drawn.name, significant(drawn.comparison.relative_rmse, 3));
             sheet.panels.push(Panel::new(caption, shown(&drawn.picture, drawn.comparison.exposure)));
         }

@@ -12,7 +12,7 @@ pub(super) struct Rivals;
 
 /// Frames per second of the paper's Fig. 7 (GeForce 8800 GTX, 212 k faces, 512 x 512 map).
 const PAPER: [(&str, f64); 3] =
-    [("convolution, SAT, M = 4", 60.0), ("convolution, SAT, M = 16", 23.0), ("pcss", 18.0)];
+    [("convolution SAT M=4", 60.0), ("convolution SAT M=16", 23.0), ("pcss", 18.0)];
 
 /// Where the model meets the ground, and where the shadow of its top falls: shares of width and height, left, top, width, height.
 const CLOSE_UPS: [(&str, [f32; 4]); 2] =

@@ -26,7 +26,7 @@ impl Variant {
     /// Convolution soft shadows with mip maps and M = `order`.
     pub fn mip(order: u32) -> Self {
         let mut variant = Self::technique("convolution");
-        variant.name = format!("convolution, mip, M = {order}").into();
+        variant.name = format!("convolution mip M={order}").into();
         variant.settings.convolution.order = order;
         variant
     }
