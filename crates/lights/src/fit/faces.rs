@@ -14,6 +14,28 @@ pub(super) struct Faces {
     pub(super) solid_angle: Vec<f64>,
     /// Flux [radiance x sr] of each texel of the six faces, in the order and orientation of [`CubeMap`].
     pub(super) flux: [Vec<DVec3>; 6],
+    /// How light lies within the same texels.
+    pub(super) moments: [Vec<Moments>; 6],
+}
+
+/// Moments over directions on a face, at `s` to the right and `t` down from its centre, each in [-1, 1]: the integrals of
+/// `[1, s, t, s^2, t^2]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Moments {
+    /// Weighted by luminance.
+    pub(super) light: [f64; 5],
+    /// Without a weight: the zeroth is the solid angle.
+    pub(super) area: [f64; 5],
+}
+
+impl Moments {
+    /// `a self + b other`.
+    pub(super) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+        Self {
+            light: std::array::from_fn(|i| a * self.light[i] + b * other.light[i]),
+            area: std::array::from_fn(|i| a * self.area[i] + b * other.area[i]),
+        }
+    }
 }
 
 /// Texels from `min` up to but without `max`, columns and rows from the top left.
@@ -35,21 +57,35 @@ impl Faces {
                 rectangle_solid_angle(DVec2::new(edge(x), edge(y)), DVec2::new(edge(x + 1), edge(y + 1)))
             })
             .collect();
-        let means = sampled_means(map, size);
+        let sums = sampled(map, size);
+        let texels =
+            |face: usize| sums[face * size * size..(face + 1) * size * size].iter().zip(&solid_angle);
+        let scale =
+            |sum: &TexelSum, sr: f64| if sum.moments.area[0] > 0.0 { sr / sum.moments.area[0] } else { 0.0 };
         let mut flux: [Vec<DVec3>; 6] = std::array::from_fn(|face| {
-            let texels = means[face * size * size..(face + 1) * size * size].iter();
-            texels.zip(&solid_angle).map(|(mean, sr)| *mean * *sr).collect()
+            texels(face).map(|(sum, sr)| sum.radiance * scale(sum, *sr)).collect()
+        });
+        let moments = std::array::from_fn(|face| {
+            texels(face)
+                .map(|(sum, sr)| sum.moments.combined(scale(sum, *sr), &Moments::default(), 0.0))
+                .collect()
         });
         let (wanted, sampled) = (map.flux(), flux.iter().flatten().sum::<DVec3>());
         let scale = DVec3::select(sampled.cmpgt(DVec3::ZERO), wanted / sampled, DVec3::ONE);
         flux.iter_mut().flatten().for_each(|texel| *texel *= scale);
-        Self { size, solid_angle, flux }
+        Self { size, solid_angle, flux, moments }
     }
 
-    /// A copy with the flux of one face; the others hold no texels.
+    /// A copy with the flux of one face; the others hold no texels, and
+    /// none holds moments.
     pub(super) fn one_face(&self, face: usize) -> Self {
         let flux = std::array::from_fn(|i| if i == face { self.flux[i].clone() } else { Vec::new() });
-        Self { size: self.size, solid_angle: self.solid_angle.clone(), flux }
+        Self {
+            size: self.size,
+            solid_angle: self.solid_angle.clone(),
+            flux,
+            moments: std::array::from_fn(|_| Vec::new()),
+        }
     }
 
     /// Mean radiance of one face.
@@ -64,19 +100,28 @@ impl Faces {
 
     /// A light over exactly these texels.
     pub(super) fn light(&self, face: usize, rect: TexelRect, flux: DVec3) -> DistantLight {
+        let corner = |at: [usize; 2]| DVec2::from(at.map(|index| self.edge(index)));
+        Self::light_between(face, corner(rect.min), corner(rect.max), flux)
+    }
+
+    /// A light between two corners at `s` to the right and `t` down from the face's centre, the whole face being
+    /// `[-1, 1]^2`.
+    pub(super) fn light_between(face: usize, min: DVec2, max: DVec2, flux: DVec3) -> DistantLight {
         let point = |x: f32, y: f32| CubeMap::point_on_face(face, Vec2::new(x, y)).as_dvec3();
         let forward = point(0.0, 0.0);
         // Rows run down, the light's second axis runs up.
         let frame = [point(1.0, 0.0) - forward, forward - point(0.0, 1.0), forward];
-        let edge = |index: usize| 2.0 * index as f64 / self.size as f64 - 1.0;
-        let min = DVec2::new(edge(rect.min[0]), -edge(rect.max[1]));
-        let max = DVec2::new(edge(rect.max[0]), -edge(rect.min[1]));
-        DistantLight::rectangle(frame, min, max, flux)
+        DistantLight::rectangle(frame, DVec2::new(min.x, -max.y), DVec2::new(max.x, -min.y), flux)
+    }
+
+    /// Place of a texel's low edge along either axis of the face, in [-1, 1].
+    pub(super) fn edge(&self, index: usize) -> f64 {
+        2.0 * index as f64 / self.size as f64 - 1.0
     }
 
     /// Angular width and height [rad] of a rectangle, along the face's axes.
     pub(super) fn extent(&self, rect: TexelRect) -> [f64; 2] {
-        let angle = |index: usize| (2.0 * index as f64 / self.size as f64 - 1.0).atan();
+        let angle = |index: usize| self.edge(index).atan();
         [0, 1].map(|axis| angle(rect.max[axis]) - angle(rect.min[axis]))
     }
 }
@@ -101,8 +146,16 @@ impl TexelRect {
     }
 }
 
-/// Mean radiance of every texel of six faces, one face after the other.
-fn sampled_means(map: &Equirect, size: usize) -> Vec<DVec3> {
+/// Sums over the samples of one texel, up to a factor common to all.
+#[derive(Clone, Copy, Default)]
+struct TexelSum {
+    /// Radiance times solid angle.
+    radiance: DVec3,
+    moments: Moments,
+}
+
+/// Samples of the map in every texel of six faces, one face after the other.
+fn sampled(map: &Equirect, size: usize) -> Vec<TexelSum> {
     let (width, height) = (map.width() as usize, map.height() as usize);
     // Samples a texel, each way: at least three across the smallest texel of a face, at its corners. Their number around
     // the horizon is a multiple of 8 where the width is one of 4, so that no sample falls on the edge of two side faces.
@@ -118,16 +171,15 @@ fn sampled_means(map: &Equirect, size: usize) -> Vec<DVec3> {
         [point(1.0, 0.0) - forward, point(0.0, 1.0) - forward, forward]
     });
     let polar = |row: usize| std::f64::consts::PI * row as f64 / (height * per_row) as f64;
-    // Radiance times weight, and weight.
-    type Sums = Vec<(DVec3, f64)>;
-    let band = |rows: std::ops::Range<usize>| -> Sums {
-        let mut sums = vec![(DVec3::ZERO, 0.0); 6 * size * size];
+    let band = |rows: std::ops::Range<usize>| -> Vec<TexelSum> {
+        let mut sums = vec![TexelSum::default(); 6 * size * size];
         for row in rows {
             let (sin, cos) = polar(row).midpoint(polar(row + 1)).sin_cos();
             let texels = &map.radiance().texels()[row / per_row * width..][..width];
             for (texel, azimuths) in texels.iter().zip(azimuths.chunks_exact(per_column)) {
                 // Solid angle of the sample, up to a factor common to all.
                 let weighted = texel.as_dvec3() * sin;
+                let light = luminance(weighted);
                 for [sin_phi, cos_phi] in azimuths {
                     let d = DVec3::new(sin * sin_phi, cos, -sin * cos_phi);
                     let a = d.abs();
@@ -139,12 +191,15 @@ fn sampled_means(map: &Equirect, size: usize) -> Vec<DVec3> {
                         4 + usize::from(d.z < 0.0)
                     };
                     let [right, down, forward] = &axes[face];
-                    let scale = 0.5 * size as f64 / d.dot(*forward);
-                    let cell =
-                        |axis: DVec3| ((d.dot(axis) * scale + 0.5 * size as f64) as usize).min(size - 1);
-                    let sum = &mut sums[(face * size + cell(*down)) * size + cell(*right)];
-                    sum.0 += weighted;
-                    sum.1 += sin;
+                    let depth = d.dot(*forward).recip();
+                    let (s, t) = (d.dot(*right) * depth, d.dot(*down) * depth);
+                    let cell = |at: f64| ((0.5 * (at + 1.0) * size as f64) as usize).min(size - 1);
+                    let sum = &mut sums[(face * size + cell(t)) * size + cell(s)];
+                    sum.radiance += weighted;
+                    for (i, power) in [1.0, s, t, s * s, t * t].into_iter().enumerate() {
+                        sum.moments.light[i] += light * power;
+                        sum.moments.area[i] += sin * power;
+                    }
                 }
             }
         }
@@ -153,13 +208,13 @@ fn sampled_means(map: &Equirect, size: usize) -> Vec<DVec3> {
     // A fixed number of bands, so that the sums do not depend on the number of threads.
     let rows = height * per_row;
     let edge = |index: usize| index * rows / BANDS;
-    let bands: Vec<Sums> = (0..BANDS).into_par_iter().map(|i| band(edge(i)..edge(i + 1))).collect();
+    let bands: Vec<Vec<TexelSum>> = (0..BANDS).into_par_iter().map(|i| band(edge(i)..edge(i + 1))).collect();
     (0..6 * size * size)
         .map(|texel| {
-            let (sum, weight) = bands
-                .iter()
-                .fold((DVec3::ZERO, 0.0), |sum, band| (sum.0 + band[texel].0, sum.1 + band[texel].1));
-            if weight > 0.0 { sum / weight } else { DVec3::ZERO }
+            bands.iter().fold(TexelSum::default(), |sum, band| TexelSum {
+                radiance: sum.radiance + band[texel].radiance,
+                moments: sum.moments.combined(1.0, &band[texel].moments, 1.0),
+            })
         })
         .collect()
 }

@@ -3,7 +3,6 @@
 //! A new fit is one file here that implements [`LightFit`], and one line in [`methods`].
 
 mod cells;
-mod cuts;
 mod disks;
 mod error;
 mod faces;
