@@ -21,7 +21,7 @@ pub struct DecomposeArgs {
     #[arg(value_name = "ENV")]
     environment: String,
 
-    /// How to fit lights: disks, squares, rectangles or partition (see gnomon info)
+    /// How to fit lights: disks, squares, rectangles, partition or samples (see gnomon info)
     #[arg(long, value_name = "METHOD", default_value = "disks")]
     method: String,
 

@@ -42,8 +42,8 @@ pub struct RenderArgs {
 /// How the GPU draws.
 #[derive(Args, Debug)]
 pub struct GpuArgs {
-    /// How to fit lights to the environment: disks, squares, rectangles, partition (see gnomon info), or none for ambient
-    /// light only
+    /// How to fit lights to the environment: disks, squares, rectangles, partition, samples (see gnomon info), or none for
+    /// ambient light only
     #[arg(long, value_name = "METHOD", default_value = DEFAULT_FIT)]
     pub lights: String,
 

@@ -10,6 +10,7 @@ mod growth;
 mod options;
 mod partition;
 mod rectangles;
+mod samples;
 mod sphere_grid;
 
 use gnomon_envmap::Equirect;
@@ -21,6 +22,7 @@ pub use error::FitError;
 pub use options::{FitOptions, MAX_LIGHTS};
 pub use partition::Partition;
 pub use rectangles::{Outline, Rectangles};
+pub use samples::Samples;
 
 use crate::LightSet;
 
@@ -62,6 +64,7 @@ pub fn methods() -> &'static [Method] {
         Method { name: "squares", summary: rectangles::SUMMARY_SQUARES, build: rectangles::build_squares },
         Method { name: "rectangles", summary: rectangles::SUMMARY, build: rectangles::build_rectangles },
         Method { name: "partition", summary: partition::SUMMARY, build: partition::build },
+        Method { name: "samples", summary: samples::SUMMARY, build: samples::build },
     ]
 }
 
