@@ -199,7 +199,7 @@ impl<'a> Lab<'a> {
     /// multiple of it; else as the project's own tracer makes it with `samples` a pixel.
     ///
     /// # Errors
-    /// A picture that cannot be read or has another size, a scene that cannot be traced.
+    /// A picture that cannot be read, a scene that cannot be traced.
     pub fn truth(
         &self,
         stage: &Stage,
@@ -216,14 +216,6 @@ impl<'a> Lab<'a> {
                 let picture = gnomon_image::read(&file)?.image;
                 if let Some(picture) = shrunk_to(&picture, width, height) {
                     return Ok(Truth { picture, source: "Mitsuba".to_owned(), noise: None });
-                }
-                if folder.is_some_and(|folder| file.starts_with(folder)) {
-                    return Err(BenchError::Request(format!(
-                        "{} has {} x {} pixels; this experiment takes {width} x {height} or a whole multiple",
-                        file.display(),
-                        picture.width(),
-                        picture.height()
-                    )));
                 }
             }
             let options =
