@@ -12,7 +12,7 @@ use crate::DistantLight;
 /// Texels along a face's edge.
 pub(super) const FACE_SIZE: usize = 64;
 /// From this number of lights on, the division starts from four cells a face instead of one: with 30 lights the pictures'
-/// error falls by a fifth, with 60 by half, and no light is wider than an eighth of a turn.
+/// error falls by a fifth, with 60 by half, and no cell is wider than an eighth of a turn.
 const QUARTERS_FROM: usize = 30;
 /// A cell below this share of the whole flux is black: the sums round at about 10^-16 of it.
 const BLACK: f64 = 1e-12;
