@@ -27,7 +27,7 @@ struct Sample {
 }
 
 /// Point samples of the map that hold all of its flux, as disks of a milliradian: the residual is black. A sampler is one
-/// file beside this one that turns a map and a number into [`Sample`]s, each with the flux of its own part of the map.
+/// file beside this one that turns a map and a number into samples, each with the flux of its own part of the map.
 #[derive(Clone, Debug)]
 pub struct Samples {
     light_count: usize,
