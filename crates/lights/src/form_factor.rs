@@ -9,17 +9,40 @@ use glam::Vec3;
 /// the origin) above the horizon of the unit normal `n`. Lambert's polygon formula after clipping the outline against
 /// `n . w >= 0` (Arvo 1995, "Applications of irradiance tensors", equation 5).
 pub fn rectangle_form_factor(n: Vec3, corners: [Vec3; 4]) -> f32 {
-    // A plane cuts a convex quadrilateral into a polygon of at most five corners.
-    let mut above = [Vec3::ZERO; 5];
+    polygon_form_factor(n, &corners)
+}
+
+/// Corners of the polygon that stands for a flat disk.
+const DISK_CORNERS: usize = 16;
+
+/// Projected solid angle [sr] of a flat disk around `center`, whose radius along two perpendicular axes is `a` and `b`, with `a x b`
+/// away from its front, above the horizon of the unit normal `n`; all relative to the receiver.
+///
+/// A regular polygon of 16 corners and the disk's area. Of what a receiver there that faces the disk gets, the error is 0.2 % from 0.3
+/// radii off the disk's plane and 1 % from 0.2; nearer by, right at the rim, it is several percent.
+pub fn flat_disk_form_factor(n: Vec3, center: Vec3, a: Vec3, b: Vec3) -> f32 {
+    let step = std::f32::consts::TAU / DISK_CORNERS as f32;
+    let radius = (step / step.sin()).sqrt();
+    let corners: [Vec3; DISK_CORNERS] = std::array::from_fn(|i| {
+        let (sin, cos) = (step * i as f32).sin_cos();
+        center + radius * (cos * a - sin * b)
+    });
+    polygon_form_factor(n, &corners)
+}
+
+/// Lambert's formula for a convex polygon towards `corners` of any distance, counter-clockwise seen from the origin.
+fn polygon_form_factor(n: Vec3, corners: &[Vec3]) -> f32 {
+    // A plane adds at most one corner to a convex polygon.
+    let mut above = [Vec3::ZERO; DISK_CORNERS + 1];
     let mut count = 0;
-    for i in 0..4 {
-        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
         let (height_a, height_b) = (n.dot(a), n.dot(b));
-        if height_a >= 0.0 && count < 5 {
+        if height_a >= 0.0 && count < above.len() {
             above[count] = a;
             count += 1;
         }
-        if (height_a >= 0.0) != (height_b >= 0.0) && count < 5 {
+        if (height_a >= 0.0) != (height_b >= 0.0) && count < above.len() {
             // Not normalised: only the corner's direction counts below.
             above[count] = a + (b - a) * (height_a / (height_a - height_b));
             count += 1;
@@ -169,5 +192,40 @@ mod tests {
             })
             .sum();
         assert!((sum - PI).abs() < 1e-5, "{sum}");
+    }
+
+    /// On its axis `pi r^2 / (r^2 + h^2)`; elsewhere a polygon of 2048 corners, whose error is below 1e-5.
+    #[test]
+    fn flat_disks_are_within_their_stated_error() {
+        for (height, limit) in [(0.2, 0.01), (0.3, 0.002), (0.5, 0.001), (1.0, 0.001), (3.0, 0.001)] {
+            let on_axis = flat_disk_form_factor(Vec3::Y, Vec3::Y * height, Vec3::X, Vec3::NEG_Z);
+            let expected = PI / (1.0 + height * height);
+            assert!((on_axis / expected - 1.0).abs() < limit, "{height}: {on_axis} {expected}");
+            for aside in [0.0, 0.5, 0.9, 1.1, 2.0] {
+                let center = Vec3::new(aside, height, 0.0);
+                let fine: Vec<Vec3> = (0..2048)
+                    .map(|i| {
+                        let (sin, cos) = (std::f32::consts::TAU * i as f32 / 2048.0).sin_cos();
+                        center + cos * Vec3::X + sin * Vec3::Z
+                    })
+                    .collect();
+                let facing = fan_form_factor(center.normalize(), &fine);
+                for n in normals() {
+                    let expected = fan_form_factor(n, &fine);
+                    let got = flat_disk_form_factor(n, center, Vec3::X, Vec3::NEG_Z);
+                    assert!((got - expected).abs() < limit * facing, "{center} {n}: {got} {expected}");
+                }
+            }
+        }
+    }
+
+    /// A convex polygon as a fan of triangles about its middle, each by the quadrilateral's formula.
+    fn fan_form_factor(n: Vec3, corners: &[Vec3]) -> f32 {
+        let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
+        let triangle = |i: usize| {
+            let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+            f64::from(rectangle_form_factor(n, [middle, a, 0.5 * (a + b), b]))
+        };
+        (0..corners.len()).map(triangle).sum::<f64>() as f32
     }
 }

@@ -13,18 +13,21 @@ pub(crate) struct DepthMaps {
     pub resolution: u32,
     pub light_count: u32,
     layers: Vec<wgpu::TextureView>,
+    /// Whether each light's map is perspective.
+    perspective: Vec<bool>,
     bind_group: wgpu::BindGroup,
 }
 
 impl DepthMaps {
-    /// Maps for all of `lights`, a buffer of [`layout::Light`].
+    /// Maps for all of `lights`, a buffer of [`layout::Light`]; `perspective` tells which of them see in perspective.
     pub fn new(
         gpu: &Gpu,
         pass: &ShadowMapPass,
         lights: &wgpu::Buffer,
-        light_count: u32,
+        perspective: Vec<bool>,
         resolution: u32,
     ) -> Result<Self, RenderError> {
+        let light_count = perspective.len() as u32;
         let limit = gpu.max_layers();
         if light_count > limit {
             return Err(RenderError::OverLimit {
@@ -52,7 +55,7 @@ impl DepthMaps {
             })
             .collect();
         let bind_group = gpu.bind_group("shadow map", &pass.layout, &[(0, lights.as_entire_binding())]);
-        Ok(Self { array: array_view(&texture), resolution, light_count, layers, bind_group })
+        Ok(Self { array: array_view(&texture), resolution, light_count, layers, perspective, bind_group })
     }
 
     /// GPU memory of the maps in bytes.
@@ -65,6 +68,7 @@ impl DepthMaps {
 pub(crate) struct ShadowMapPass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
+    perspective_pipeline: wgpu::RenderPipeline,
 }
 
 impl ShadowMapPass {
@@ -75,39 +79,49 @@ impl ShadowMapPass {
             &[(0, Binding::Storage { read_only: true })],
         );
         let module = gpu.shader("shadow_map", &[])?;
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("shadow map"),
-            layout: Some(&gpu.pipeline_layout(&[Some(&layout)])),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("shadow_map"),
-                compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: 16,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x4],
-                })],
-            },
-            // No culling: open meshes cast shadows from both sides.
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: None,
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = |vertex, fragment: Option<wgpu::FragmentState<'_>>| {
+            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("shadow map"),
+                layout: Some(&gpu.pipeline_layout(&[Some(&layout)])),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: Default::default(),
+                    buffers: &[Some(wgpu::VertexBufferLayout {
+                        array_stride: 16,
+                        step_mode: wgpu::VertexStepMode::Vertex,
+                        attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+                    })],
+                },
+                // No culling: open meshes cast shadows from both sides.
+                primitive: Default::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Less),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment,
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let linear_depth = wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("linear_depth"),
+            compilation_options: Default::default(),
+            targets: &[],
+        };
+        let perspective_pipeline = pipeline("perspective_shadow_map", Some(linear_depth));
+        let pipeline = pipeline("shadow_map", None);
         debug_assert_eq!(size_of::<layout::Light>() % 16, 0);
-        Ok(Self { layout, pipeline })
+        Ok(Self { layout, pipeline, perspective_pipeline })
     }
 
     pub fn encode(&self, recorder: &mut Recorder<'_>, geometry: &Geometry, maps: &DepthMaps) {
-        for (light, layer) in (0..).zip(&maps.layers) {
+        for ((light, layer), &perspective) in (0..).zip(&maps.layers).zip(&maps.perspective) {
             let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -121,7 +135,7 @@ impl ShadowMapPass {
                 ..Default::default()
             });
             if geometry.index_count > 0 {
-                pass.set_pipeline(&self.pipeline);
+                pass.set_pipeline(if perspective { &self.perspective_pipeline } else { &self.pipeline });
                 pass.set_bind_group(0, &maps.bind_group, &[]);
                 pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
                 pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);

@@ -16,6 +16,7 @@ mod gpu;
 mod light_frame;
 mod lighting;
 mod materials;
+mod near_light_frame;
 mod readback;
 mod recorder;
 mod renderer;

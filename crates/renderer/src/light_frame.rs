@@ -5,11 +5,11 @@ use gnomon_shaders::layout;
 use crate::bounds::InstanceBox;
 
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
-const MARGIN_TEXELS: f32 = 2.0;
+pub(crate) const MARGIN_TEXELS: f32 = 2.0;
 
 /// Variance, in squared texels of its level, of a bilinear lookup in the mip chain: 1/4 from the chain's kernel
 /// [1 3 3 1] / 8 and 1/6 on average from the interpolation.
-const LOOKUP_VARIANCE: f32 = 1.0 / 4.0 + 1.0 / 6.0;
+pub(crate) const LOOKUP_VARIANCE: f32 = 1.0 / 4.0 + 1.0 / 6.0;
 
 /// Width, per metre of blocker distance, of the mip texel whose bilinear lookup has the outline's variance: a disk of radius r
 /// has r^2 / 4 along each axis, a box of half widths a, b has (a^2 + b^2) / 6 on average.
@@ -149,7 +149,12 @@ pub(crate) fn light_uniform(
         map_width_world: map_width,
         depth_range_world: range,
         normal_offset_world: normal_offset_texels * map_width / resolution,
-        padding: 0.0,
+        near_world: 0.0,
+        position: [0.0; 3],
+        kind: layout::KIND_DISTANT,
+        half_extent: [0.0; 2],
+        padding_0: 0.0,
+        padding_1: 0.0,
     }
 }
 

@@ -2,7 +2,7 @@ use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::LightSet;
-use gnomon_scene::{Bounds, Camera, Scene};
+use gnomon_scene::{Bounds, Camera, PlacedLight, Scene};
 use gnomon_shaders::layout;
 
 use crate::camera::CameraMatrices;
@@ -13,6 +13,7 @@ use crate::geometry::{Geometry, TransformPass};
 use crate::light_frame::light_uniform;
 use crate::lighting::Lighting;
 use crate::materials::Materials;
+use crate::near_light_frame::near_light_uniform;
 use crate::recorder::{PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
 use crate::shade::{RADIANCE_FORMAT, ShadeLayouts, ShadePass};
@@ -81,6 +82,7 @@ pub struct Renderer<'gpu> {
     geometry: Geometry,
     materials: Materials,
     bounds: Option<Bounds>,
+    near_lights: Vec<PlacedLight>,
     lighting: Option<Lit>,
     target: Option<Target>,
     view: wgpu::Buffer,
@@ -167,6 +169,7 @@ impl<'gpu> Renderer<'gpu> {
             passes,
             settings,
             bounds: None,
+            near_lights: Vec::new(),
             lighting: None,
             target: None,
             view,
@@ -176,7 +179,7 @@ impl<'gpu> Renderer<'gpu> {
         Ok(renderer)
     }
 
-    /// Takes a scene over: its triangles, materials and textures.
+    /// Takes a scene over: its triangles, materials, textures and area lights.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold it.
@@ -184,6 +187,7 @@ impl<'gpu> Renderer<'gpu> {
         self.geometry = Geometry::new(self.gpu, &self.passes.transform, scene)?;
         self.materials = Materials::new(self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.bounds = scene.bounds();
+        self.set_near_lights(scene)?;
         self.gpu.check()
     }
 
@@ -197,7 +201,19 @@ impl<'gpu> Renderer<'gpu> {
             return self.set_scene(scene);
         }
         self.bounds = scene.bounds();
-        Ok(())
+        self.set_near_lights(scene)
+    }
+
+    /// Takes the scene's own lights over; more or fewer of them than before need other maps.
+    fn set_near_lights(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let before = std::mem::replace(&mut self.near_lights, scene.placed_lights());
+        match self.lighting.take() {
+            Some(lit) if before.len() != self.near_lights.len() => self.light_up(lit.lighting),
+            unchanged => {
+                self.lighting = unchanged;
+                Ok(())
+            }
+        }
     }
 
     /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.
@@ -205,17 +221,23 @@ impl<'gpu> Renderer<'gpu> {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
     pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
+        self.light_up(Lighting::new(self.gpu, map, set)?)?;
+        self.gpu.check()
+    }
+
+    /// Makes what depends on the lights: those of the environment and then the scene's own.
+    fn light_up(&mut self, lighting: Lighting) -> Result<(), RenderError> {
         let gpu = self.gpu;
-        let lighting = Lighting::new(gpu, map, set)?;
-        let light_count = lighting.lights.len() as u32;
+        let mut perspective = vec![false; lighting.lights.len()];
+        perspective.resize(lighting.lights.len() + self.near_lights.len(), true);
         let lights = gpu.empty_buffer(
             "lights",
-            (size_of::<layout::Light>() * lighting.lights.len().max(1)) as u64,
+            (size_of::<layout::Light>() * perspective.len().max(1)) as u64,
             wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
         let (maps, resolution) = match self.technique.needs_depth_maps() {
-            true => (light_count, self.settings.shadow_resolution),
-            false => (0, 1),
+            true => (perspective, self.settings.shadow_resolution),
+            false => (Vec::new(), 1),
         };
         let depth_maps = DepthMaps::new(gpu, &self.passes.shadow_map, &lights, maps, resolution)?;
         let shadows = self.technique.resources(gpu, &self.settings.shadow_settings, &depth_maps)?;
@@ -223,7 +245,7 @@ impl<'gpu> Renderer<'gpu> {
         let shade = ShadePass::new(gpu, &self.passes.shade_layouts, module, &*shadows, self.compositing)?;
         let frame_group = self.passes.shade_layouts.frame_group(gpu, &self.view, &lights, &lighting);
         self.lighting = Some(Lit { lighting, lights, depth_maps, shadows, shade, frame_group });
-        gpu.check()
+        Ok(())
     }
 
     /// GPU memory of all shadow maps and their filtered images in bytes.
@@ -307,24 +329,20 @@ impl<'gpu> Renderer<'gpu> {
             world_from_clip: matrices.world_from_clip.to_cols_array_2d(),
             eye_world: matrices.eye_world.to_array(),
             size: [width, height],
-            light_count: lit.lighting.lights.len() as u32,
+            light_count: (lit.lighting.lights.len() + self.near_lights.len()) as u32,
             flags: if self.settings.background { layout::FLAG_BACKGROUND } else { 0 },
             residual_sh: lit.lighting.residual_sh,
         };
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let lights: Vec<layout::Light> = lit
-            .lighting
-            .lights
-            .iter()
-            .map(|light| {
-                let settings = &self.settings;
-                light_uniform(
-                    light,
-                    &self.geometry.boxes,
-                    settings.shadow_resolution,
-                    settings.normal_offset_texels,
-                )
-            })
+        let RenderSettings { shadow_resolution, normal_offset_texels, .. } = self.settings;
+        let boxes = &self.geometry.boxes;
+        let distant = lit.lighting.lights.iter();
+        let near = self.near_lights.iter();
+        let lights: Vec<layout::Light> = distant
+            .map(|light| light_uniform(light, boxes, shadow_resolution, normal_offset_texels))
+            .chain(
+                near.map(|light| near_light_uniform(light, boxes, shadow_resolution, normal_offset_texels)),
+            )
             .collect();
         self.gpu.queue.write_buffer(&lit.lights, 0, bytemuck::cast_slice(&lights));
     }

@@ -186,6 +186,26 @@ fn form_factors() {
 }
 
 #[test]
+fn flat_disk_form_factors() {
+    // Across, above and below the horizon; from close by to five radii away.
+    let center = "vec3f(a.x * 2.0 - 1.0, a.y * 2.0 - 1.0, a.z * 2.0 + 0.05)";
+    let body = format!(
+        "vec4f(flat_disk_form_factor(b.xyz, {center}, vec3f(0.4, 0.0, 0.0), vec3f(0.0, 0.4 * (0.2 + a.w), 0.0)), 0.0, 0.0, 0.0)"
+    );
+    compare(
+        "form_factor",
+        &body,
+        2e-4,
+        |u, v| [u, unit_vector(v).extend(0.0)],
+        |[a, b]| {
+            let center = Vec3::new(a.x * 2.0 - 1.0, a.y * 2.0 - 1.0, a.z * 2.0 + 0.05);
+            let axes = [Vec3::new(0.4, 0.0, 0.0), Vec3::new(0.0, 0.4 * (0.2 + a.w), 0.0)];
+            scalar(gnomon_lights::form_factor::flat_disk_form_factor(b.truncate(), center, axes[0], axes[1]))
+        },
+    );
+}
+
+#[test]
 fn shadow_series() {
     for group in 0..4 {
         let body = format!("series_phases(a.x, {group}u)[0] + 2.0 * series_phases(a.x, {group}u)[1]");

@@ -11,6 +11,12 @@ pub type Mat4 = [[f32; 4]; 4];
 pub const SHAPE_DISK: u32 = 0;
 /// [`Light::shape`] of a quadrilateral.
 pub const SHAPE_RECTANGLE: u32 = 1;
+/// [`Light::kind`] of a distant light.
+pub const KIND_DISTANT: u32 = 0;
+/// [`Light::kind`] of a flat light in the scene.
+pub const KIND_FLAT: u32 = 1;
+/// [`Light::kind`] of a sphere in the scene.
+pub const KIND_SPHERE: u32 = 2;
 /// [`View::flags`]: draw the environment behind the scene.
 pub const FLAG_BACKGROUND: u32 = 1;
 
@@ -42,7 +48,12 @@ pub struct Light {
     pub map_width_world: f32,
     pub depth_range_world: f32,
     pub normal_offset_world: f32,
-    pub padding: f32,
+    pub near_world: f32,
+    pub position: [f32; 3],
+    pub kind: u32,
+    pub half_extent: [f32; 2],
+    pub padding_0: f32,
+    pub padding_1: f32,
 }
 
 #[repr(C)]

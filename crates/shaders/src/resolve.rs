@@ -51,6 +51,7 @@ const MODULES: &[(&str, &str)] = sources![
     "frame",
     "gbuffer",
     "light_outline",
+    "light_shading",
     "math",
     "moments",
     "receiver_plane",

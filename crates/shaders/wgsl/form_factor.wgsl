@@ -11,35 +11,66 @@ fn edge_form_factor(n: vec3f, a: vec3f, b: vec3f) -> f32 {
     return 0.5 * atan2(sine, dot(a, b)) * dot(c, n) / sine;
 }
 
-// Integral of max(0, n . w) over the convex quadrilateral with unit corner directions, counter-clockwise seen from the scene:
-// Lambert's polygon formula after clipping against the horizon. [sr]
+// Lambert's formula over a convex polygon, edge by edge, clipped against the horizon on the way.
+struct HorizonClip {
+    sum: f32,
+    // Where the outline rises through the horizon, and where it sinks.
+    entry: vec3f,
+    exit: vec3f,
+    crossings: u32,
+}
+
+fn add_edge(clip: ptr<function, HorizonClip>, n: vec3f, a: vec3f, b: vec3f) {
+    let height_a = dot(a, n);
+    let height_b = dot(b, n);
+    if height_a >= 0.0 && height_b >= 0.0 {
+        (*clip).sum += edge_form_factor(n, a, b);
+    } else if height_a >= 0.0 {
+        (*clip).exit = normalize(mix(a, b, height_a / (height_a - height_b)));
+        (*clip).sum += edge_form_factor(n, a, (*clip).exit);
+        (*clip).crossings++;
+    } else if height_b >= 0.0 {
+        (*clip).entry = normalize(mix(a, b, height_a / (height_a - height_b)));
+        (*clip).sum += edge_form_factor(n, (*clip).entry, b);
+        (*clip).crossings++;
+    }
+}
+
+fn clipped_form_factor(clip: HorizonClip, n: vec3f) -> f32 {
+    if clip.crossings == 2u {
+        return max(clip.sum + edge_form_factor(n, clip.exit, clip.entry), 0.0);
+    }
+    return max(clip.sum, 0.0);
+}
+
+// Integral of max(0, n . w) over the convex quadrilateral seen towards four corners of any distance, counter-clockwise seen from the
+// scene: Lambert's polygon formula after clipping against the horizon. [sr]
 fn rectangle_form_factor(n: vec3f, corners: array<vec4f, 4>) -> f32 {
     var corner = corners;
-    var sum = 0.0;
-    var entry = vec3f(0.0);
-    var exit = vec3f(0.0);
-    var crossings = 0u;
+    var clip = HorizonClip();
     for (var i = 0u; i < 4u; i++) {
-        let a = corner[i].xyz;
-        let b = corner[(i + 1u) % 4u].xyz;
-        let height_a = dot(a, n);
-        let height_b = dot(b, n);
-        if height_a >= 0.0 && height_b >= 0.0 {
-            sum += edge_form_factor(n, a, b);
-        } else if height_a >= 0.0 {
-            exit = normalize(mix(a, b, height_a / (height_a - height_b)));
-            sum += edge_form_factor(n, a, exit);
-            crossings++;
-        } else if height_b >= 0.0 {
-            entry = normalize(mix(a, b, height_a / (height_a - height_b)));
-            sum += edge_form_factor(n, entry, b);
-            crossings++;
-        }
+        add_edge(&clip, n, corner[i].xyz, corner[(i + 1u) % 4u].xyz);
     }
-    if crossings == 2u {
-        sum += edge_form_factor(n, exit, entry);
+    return clipped_form_factor(clip, n);
+}
+
+// Corners of the polygon that stands for a disk of the same area: `gnomon_lights::form_factor` states the error.
+const DISK_CORNERS: u32 = 16u;
+// sqrt(2 pi / (16 sin(2 pi / 16))).
+const DISK_CORNER_RADIUS: f32 = 1.0130016;
+
+// Integral of max(0, n . w) over a flat disk around `center`, whose radius along two axes is `a` and `b`, a x b away from
+// its front. [sr]
+fn flat_disk_form_factor(n: vec3f, center: vec3f, a: vec3f, b: vec3f) -> f32 {
+    var clip = HorizonClip();
+    var previous = center + DISK_CORNER_RADIUS * a;
+    for (var i = 1u; i <= DISK_CORNERS; i++) {
+        let angle = TAU * f32(i) / f32(DISK_CORNERS);
+        let next = center + DISK_CORNER_RADIUS * (cos(angle) * a - sin(angle) * b);
+        add_edge(&clip, n, previous, next);
+        previous = next;
     }
-    return max(sum, 0.0);
+    return clipped_form_factor(clip, n);
 }
 
 // Integral of max(0, n . w) over the cone of `angular_radius` about `direction`, in closed form (Snyder 1996; Lagarde and

@@ -1,7 +1,6 @@
 #import frame
 #import equirect_texture
-#import brdf_ggx
-#import form_factor
+#import light_shading
 #import sh
 #import slot:shadow
 #import slot:composite
@@ -19,13 +18,6 @@
 const FLAG_BACKGROUND: u32 = 1u;
 // `gnomon_brdf::MIN_ALPHA`.
 const MIN_ALPHA: f32 = 0.002;
-
-fn light_form_factor(light: u32, n: vec3f) -> f32 {
-    if lights[light].shape == SHAPE_DISK {
-        return disk_form_factor(n, lights[light].direction, lights[light].angular_radius);
-    }
-    return rectangle_form_factor(n, lights[light].corners);
-}
 
 fn environment_brdf(n_dot_v: f32, roughness: f32) -> vec2f {
     let size = vec2f(textureDimensions(dfg_table));
@@ -72,33 +64,34 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     let n_dot_v = max(dot(n, wo), 1e-4);
     let has_specular = f90 > 0.0;
 
+    let specular_surface = SpecularSurface(n, wo, f0, f90, alpha);
     var diffuse_unshadowed = vec3f(0.0);
     var diffuse_shadowed = vec3f(0.0);
     var specular_unshadowed = vec3f(0.0);
     var specular_shadowed = vec3f(0.0);
+    // Lights in the scene are no part of the environment: they come on top of what the compositing rule makes of that.
+    var diffuse_near = vec3f(0.0);
+    var specular_near = vec3f(0.0);
     for (var light = 0u; light < view.light_count; light++) {
-        let form_factor = light_form_factor(light, n);
+        let form_factor = light_form_factor(light, position_world, n);
         if form_factor <= 0.0 {
             continue;
         }
         let visible = visibility(light, position_world, geometric_normal);
         let diffuse = lights[light].radiance * form_factor;
+        var specular = vec3f(0.0);
         if has_specular {
-            let wi = lights[light].direction;
-            let h = normalize(wi + wo);
-            let v_dot_h = max(dot(wo, h), 0.0);
-            let n_dot_l = max(dot(n, wi), 0.0);
-            // The light's extent widens the lobe (Karis 2013, area lights): alpha' = alpha + half the light's radius.
-            let wide = saturate(alpha + 0.5 * sqrt(lights[light].solid_angle / PI));
-            let specular = f_schlick(f0, f90, v_dot_h)
-                * (d_ggx(saturate(dot(n, h)), wide) * v_smith_ggx_correlated(n_dot_v, n_dot_l, alpha)
-                    * n_dot_l * lights[light].solid_angle)
-                * lights[light].radiance;
+            specular = light_specular(light, position_world, specular_surface) * lights[light].radiance;
+        }
+        if lights[light].kind == KIND_DISTANT {
+            diffuse_unshadowed += diffuse;
+            diffuse_shadowed += diffuse * visible;
             specular_unshadowed += specular;
             specular_shadowed += specular * visible;
+        } else {
+            diffuse_near += diffuse * visible;
+            specular_near += specular * visible;
         }
-        diffuse_unshadowed += diffuse;
-        diffuse_shadowed += diffuse * visible;
     }
 
     let dfg = environment_brdf(n_dot_v, roughness);
@@ -106,13 +99,13 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     // What the dielectric's surface lets through to its base, F taken for light along the normal: glTF weighs the base by F at
     // v.h, which stays far from grazing for most light even where n.v does not.
     let base_weight = 1.0 - max_component(f_schlick(f0_f90.rgb, f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
-    let diffuse = base_weight
-        * composite(
-            equirect_lookup(irradiance_full, n, 0),
-            max(sh_irradiance(view.residual_sh, n), vec3f(0.0)),
-            diffuse_unshadowed,
-            diffuse_shadowed,
-        );
+    let ambient = composite(
+        equirect_lookup(irradiance_full, n, 0),
+        max(sh_irradiance(view.residual_sh, n), vec3f(0.0)),
+        diffuse_unshadowed,
+        diffuse_shadowed,
+    );
+    let diffuse = base_weight * (ambient + diffuse_near);
     var result = emissive_roughness.rgb + diffuse_color / PI * diffuse;
     if has_specular {
         let reflected = reflect(-wo, n);
@@ -122,7 +115,7 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
             equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo,
             specular_unshadowed,
             specular_shadowed,
-        );
+        ) + specular_near;
     }
     textureStore(radiance, id.xy, vec4f(result, 1.0));
 }

@@ -1,13 +1,26 @@
 #import frame
 
-// Receiver in a light's shadow map: uv in [0, 1], z the linear depth.
-fn receiver_in_light(light: u32, position_world: vec3f, normal_world: vec3f) -> vec3f {
-    let moved = position_world + normal_world * lights[light].normal_offset_world;
-    let p = lights[light].light_from_world * vec4f(moved, 1.0);
-    return vec3f(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, saturate(p.z));
+// Distance by which a receiver is moved along its normal against self-shadowing [m]: texels of a perspective map grow with distance.
+fn normal_offset(light: u32, position_world: vec3f) -> f32 {
+    let distance = dot(lights[light].position - position_world, lights[light].direction);
+    return lights[light].normal_offset_world * select(max(distance, 0.0), 1.0, lights[light].kind == KIND_DISTANT);
 }
 
-// Linear depth of what a depth map stores.
+// Receiver in a light's shadow map: uv in [0, 1], z the linear depth. What lies behind a perspective map's plane lies outside of it.
+fn receiver_in_light(light: u32, position_world: vec3f, normal_world: vec3f) -> vec3f {
+    let moved = position_world + normal_world * normal_offset(light, position_world);
+    let p = lights[light].light_from_world * vec4f(moved, 1.0);
+    if lights[light].kind == KIND_DISTANT {
+        return vec3f(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, saturate(p.z));
+    }
+    if p.w <= 0.0 {
+        return vec3f(-1.0);
+    }
+    let z = (p.w - lights[light].near_world) / lights[light].depth_range_world;
+    return vec3f(0.5 + 0.5 * p.x / p.w, 0.5 - 0.5 * p.y / p.w, saturate(z));
+}
+
+// Linear depth of what a depth map stores: perspective maps are drawn with linear depth, too.
 fn linear_from_stored_depth(light: u32, stored: f32) -> f32 {
     return stored;
 }
@@ -21,5 +34,12 @@ fn stored_from_linear_depth(light: u32, linear: f32) -> f32 {
 // per unit of the light's own size: the penumbra (Annen et al. 2008, section 3). Times `lights[light].footprint` it is the width
 // of the mip texel that filters the penumbra.
 fn footprint_scale_uv(light: u32, d: f32, z: f32) -> f32 {
-    return (d - z) * lights[light].depth_range_world / lights[light].map_width_world;
+    let range = lights[light].depth_range_world;
+    let width = (d - z) * range / lights[light].map_width_world;
+    if lights[light].kind == KIND_DISTANT {
+        return width;
+    }
+    // Similar triangles: the cone from the receiver to the light, cut at the blocker, over the map's width there.
+    let near = lights[light].near_world;
+    return width / ((near + d * range) * (near + z * range));
 }

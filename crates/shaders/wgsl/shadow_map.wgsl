@@ -4,7 +4,28 @@
 
 @group(0) @binding(0) var<storage, read> lights: array<Light>;
 
+// Of a distant light: the orthographic z is linear already.
 @vertex
 fn shadow_map(@location(0) position_world: vec4f, @builtin(instance_index) light: u32) -> @builtin(position) vec4f {
     return lights[light].light_from_world * vec4f(position_world.xyz, 1.0);
+}
+
+struct PerspectiveDepth {
+    @builtin(position) position: vec4f,
+    @location(0) linear_depth: f32,
+}
+
+// Of a light in the scene. The depth that perspective gives is not linear; every fragment writes the distance instead.
+@vertex
+fn perspective_shadow_map(
+    @location(0) position_world: vec4f,
+    @builtin(instance_index) light: u32,
+) -> PerspectiveDepth {
+    let position = lights[light].light_from_world * vec4f(position_world.xyz, 1.0);
+    return PerspectiveDepth(position, (position.w - lights[light].near_world) / lights[light].depth_range_world);
+}
+
+@fragment
+fn linear_depth(fragment: PerspectiveDepth) -> @builtin(frag_depth) f32 {
+    return saturate(fragment.linear_depth);
 }

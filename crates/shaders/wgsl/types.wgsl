@@ -18,8 +18,16 @@ struct View {
 const SHAPE_DISK: u32 = 0u;
 const SHAPE_RECTANGLE: u32 = 1u;
 
-// A distant uniform area light and its shadow map's frame.
+// Where a light is: infinitely far away; in the scene and flat; a sphere in the scene.
+const KIND_DISTANT: u32 = 0u;
+const KIND_FLAT: u32 = 1u;
+const KIND_SPHERE: u32 = 2u;
+
+// A uniform area light and its shadow map's frame. The outline of a light in the scene is given as it would look straight on from a
+// distance of 1 m: then tangents of angles are metres.
 struct Light {
+    // From the scene towards the light: to the centre of a distant one, against the front's normal of a flat one, against the
+    // map's axis of a sphere.
     direction: vec3f,
     shape: u32,
     // Axes of the tangent plane at `direction`, the same as the shadow map's u and v.
@@ -27,22 +35,32 @@ struct Light {
     // Disk only [rad].
     angular_radius: f32,
     bitangent: vec3f,
-    // [sr]
+    // [sr]; of a light in the scene the emitting area that a direction sees at most [m^2].
     solid_angle: f32,
     radiance: vec3f,
     // Width of the mip texel whose bilinear lookup has the outline's variance, for a blocker one metre above [m / m].
     footprint: f32,
     // Rectangle only: unit directions, counter-clockwise seen from the scene.
     corners: array<vec4f, 4>,
-    // Orthographic: xy in [-1, 1], z the linear depth in [0, 1] from near to far.
+    // xy in [-1, 1]. Orthographic for a distant light, z the linear depth in [0, 1] from near to far; else perspective, w the
+    // distance along the map's axis [m].
     light_from_world: mat4x4f,
-    // Edge length of the square shadow map [m].
+    // Edge length of the square shadow map [m]; of a perspective map at a distance of 1 m.
     map_width_world: f32,
     // Distance from near to far plane [m].
     depth_range_world: f32,
-    // Distance by which a receiver is moved along its normal against self-shadowing [m].
+    // Distance by which a receiver is moved along its normal against self-shadowing [m]; in a perspective map at a distance
+    // of 1 m.
     normal_offset_world: f32,
-    padding: f32,
+    // Distance of the near plane from a light in the scene [m].
+    near_world: f32,
+    // Centre of a light in the scene [m].
+    position: vec3f,
+    kind: u32,
+    // Half width and height of a light in the scene, a sphere's radius in both [m].
+    half_extent: vec2f,
+    padding_0: f32,
+    padding_1: f32,
 }
 
 // One vertex as it lies in its mesh.

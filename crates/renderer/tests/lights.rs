@@ -1,0 +1,321 @@
+//! Area lights in the scene: closed forms, and ray-traced truth.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::f32::consts::PI;
+
+use common::*;
+use glam::{Affine3A, Mat3, Vec2, Vec3};
+use gnomon_brdf::Surface;
+use gnomon_image::RgbImage;
+use gnomon_lights::LightSet;
+use gnomon_metrics::{compare, penumbra, tolerances};
+use gnomon_reference::ReferenceOptions;
+use gnomon_renderer::{Gpu, RenderSettings, Renderer, composite, shadow};
+use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, builtin};
+
+const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
+const DISK: AreaLightShape = AreaLightShape::Disk { radius: 0.2 };
+
+fn add_light(scene: &mut Scene, shape: AreaLightShape, parent_from_node: Affine3A) {
+    scene.nodes.push(Node { name: String::new(), parent: None, parent_from_node, meshes: Vec::new() });
+    scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: RADIANCE });
+}
+
+/// Facing down, the width along x.
+fn facing_down(position: Vec3) -> Affine3A {
+    Affine3A::from_mat3_translation(Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y), position)
+}
+
+/// Facing from one place towards another.
+fn facing(position: Vec3, target: Vec3) -> Affine3A {
+    Affine3A::from_mat4(Camera::look_at(position, target, 1.0).world_from_camera)
+}
+
+fn dark_set() -> LightSet {
+    LightSet::new("test", Vec::new(), no_light())
+}
+
+fn lambert(albedo: f32) -> Material {
+    Material {
+        surface: Surface { base_color: Vec3::splat(albedo), ..Default::default() },
+        ..Default::default()
+    }
+}
+
+fn downward(height: f32, half_width: f32) -> Camera {
+    let camera = Camera::look_at(Vec3::new(0.0, height, 0.0), Vec3::ZERO, 1.0);
+    Camera { projection: Projection::Orthographic { half_width }, ..camera }
+}
+
+fn settings(shadows: &str) -> RenderSettings {
+    RenderSettings { shadows: shadows.to_owned(), shadow_resolution: 512, samples: 1, ..Default::default() }
+}
+
+/// No environment, no scene yet.
+fn unlit_renderer<'gpu>(gpu: &'gpu Gpu, shadows: &str) -> Renderer<'gpu> {
+    let mut renderer = Renderer::new(gpu, settings(shadows)).unwrap();
+    renderer.set_lighting(&no_light(), &dark_set()).unwrap();
+    renderer
+}
+
+fn picture(gpu: &Gpu, shadows: &str, scene: &Scene, camera: &Camera, size: [u32; 2]) -> RgbImage {
+    render(gpu, settings(shadows), scene, &no_light(), &dark_set(), camera, size).radiance
+}
+
+/// Projected solid angle of a rectangle parallel to the floor at `height`, over the point under one corner.
+fn corner_form_factor(a: f32, b: f32, height: f32) -> f32 {
+    let half = |x: f32, y: f32| x / (1.0 + x * x).sqrt() * (y / (1.0 + x * x).sqrt()).atan();
+    0.5 * (half(a / height, b / height) + half(b / height, a / height))
+}
+
+#[test]
+fn irradiance_on_the_open_plane_has_its_closed_form() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let height = 1.5_f32;
+    let at = |shape| (shape, facing_down(Vec3::Y * height));
+    let aside = Vec3::new(0.8, height, 0.3);
+    let cases = [
+        (at(AreaLightShape::Disk { radius: 0.7 }), PI * 0.49 / (0.49 + height * height)),
+        (
+            at(AreaLightShape::Rectangle { size: Vec2::splat(0.8) }),
+            4.0 * corner_form_factor(0.4, 0.4, height),
+        ),
+        (
+            at(AreaLightShape::Rectangle { size: Vec2::new(2.0, 0.6) }),
+            4.0 * corner_form_factor(1.0, 0.3, height),
+        ),
+        (
+            (AreaLightShape::Sphere { radius: 0.4 }, Affine3A::from_translation(aside)),
+            PI * 0.16 / aside.length_squared() * height / aside.length(),
+        ),
+    ];
+    for (shadows, _) in shadow::names() {
+        let mut renderer = unlit_renderer(&gpu, shadows);
+        for ((shape, place), form_factor) in cases {
+            let mut scene =
+                scene_of(vec![horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0)], lambert(1.0));
+            add_light(&mut scene, shape, place);
+            renderer.set_scene(&scene).unwrap();
+            let seen = renderer.render(&downward(0.1, 1e-3), 3, 3).unwrap().radiance.get(1, 1);
+            let expected = RADIANCE * form_factor / PI;
+            let error = (seen / expected - 1.0).abs().max_element();
+            println!("{shadows} {shape:?}: off by {error}");
+            assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{shadows} {shape:?}: {seen} {expected}");
+        }
+    }
+}
+
+/// Visibility along x on the ground, 1 m in all, under an occluder over x < `edge` at `height` and a light 2 m up. `renderers` draw
+/// shadows and none.
+fn penumbra_profile(
+    [shadowed, open]: [&mut Renderer<'_>; 2],
+    shape: AreaLightShape,
+    edge: f32,
+    height: f32,
+) -> Vec<f32> {
+    let occluder = horizontal(Vec2::splat(-2.0), Vec2::new(edge, 2.0), height);
+    let mut scene =
+        scene_of(vec![horizontal(Vec2::splat(-2.0), Vec2::splat(2.0), 0.0), occluder], lambert(1.0));
+    add_light(&mut scene, shape, facing_down(Vec3::Y * 2.0));
+    let row = |renderer: &mut Renderer<'_>| {
+        renderer.set_scene(&scene).unwrap();
+        let image = renderer.render(&downward(0.5 * height, 0.5), 400, 5).unwrap().radiance;
+        // Looking down, the camera has world -x to its right.
+        (0..400).rev().map(|x| image.get(x, 2).x).collect::<Vec<_>>()
+    };
+    let open = row(open);
+    row(shadowed).into_iter().zip(open).map(|(seen, open)| seen / open).collect()
+}
+
+/// Full width of a penumbra in metres: of a disk by its own profile, of a square by its linear ramp.
+fn penumbra_width(shape: AreaLightShape, profile: &[f32]) -> f32 {
+    let width = match shape {
+        AreaLightShape::Rectangle { .. } => {
+            penumbra::width_between(profile, 0.1, 0.9).map(|width| width / 0.8)
+        }
+        _ => penumbra::disk_penumbra_width(profile),
+    };
+    width.unwrap() / 400.0
+}
+
+#[test]
+fn penumbrae_grow_with_blocker_distance_as_in_the_closed_form() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let renderers = ["convolution", "hard", "none"].map(|shadows| unlit_renderer(&gpu, shadows));
+    let [mut soft, mut hard, mut open] = renderers;
+    for shape in [AreaLightShape::Disk { radius: 0.25 }, AreaLightShape::Rectangle { size: Vec2::splat(0.5) }]
+    {
+        for height in [0.3_f32, 0.6, 0.9] {
+            let expected = 0.5 * height / (2.0 - height);
+            // Where the edge falls among the texels of a coarse level changes the width a little: several places.
+            let edges = [0.0, 0.013, 0.03, 0.057];
+            let widths = edges.map(|edge| {
+                let profile = penumbra_profile([&mut soft, &mut open], shape, edge, height);
+                let (dark, lit) = (profile[2], profile[397]);
+                assert!(dark < 0.03 && (lit - 1.0).abs() < 0.03, "{shape:?} {height}: {dark} to {lit}");
+                penumbra_width(shape, &profile)
+            });
+            let width = widths.iter().sum::<f32>() / widths.len() as f32;
+            println!("{shape:?} blocker at {height}: penumbra {width:.4}, closed form {expected:.4}");
+            assert!(
+                (width / expected - 1.0).abs() <= tolerances::PENUMBRA_WIDTH,
+                "{width} against {expected}"
+            );
+        }
+    }
+    // A planted fault: no penumbra at all.
+    let width = penumbra_width(DISK, &penumbra_profile([&mut hard, &mut open], DISK, 0.03, 0.6));
+    assert!((width / 0.171 - 1.0).abs() > tolerances::PENUMBRA_WIDTH, "{width}");
+}
+
+fn lamp_over_boxes(shape: AreaLightShape) -> Scene {
+    let mut scene = builtin::by_name("three-boxes").unwrap();
+    add_light(&mut scene, shape, facing(Vec3::new(-1.0, 3.5, 1.5), Vec3::new(0.0, 0.3, 0.0)));
+    scene
+}
+
+/// Every shape against ray tracing. `GNOMON_PICTURES` names a folder for the pictures.
+#[test]
+fn lamps_over_three_boxes_match_ray_tracing() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let size = [160, 120];
+    for (name, shape) in [
+        ("disk", DISK),
+        ("rectangle", AreaLightShape::Rectangle { size: Vec2::new(0.6, 0.3) }),
+        ("sphere", AreaLightShape::Sphere { radius: 0.2 }),
+    ] {
+        let scene = lamp_over_boxes(shape);
+        let camera = &scene.cameras[0];
+        let options =
+            ReferenceOptions { width: size[0], height: size[1], samples_per_pixel: 64, ..Default::default() };
+        let truth = gnomon_reference::render(&scene, camera, &no_light(), &options).unwrap().mean;
+        let error = |shadows: &str| {
+            let settings = RenderSettings { samples: 2, ..settings(shadows) };
+            let seen = render(&gpu, settings, &scene, &no_light(), &dark_set(), camera, size).radiance;
+            if let Ok(folder) = std::env::var("GNOMON_PICTURES") {
+                for (what, image) in [(shadows, &seen), ("truth", &truth)] {
+                    let shown =
+                        gnomon_image::tonemap::tone_mapped(image, gnomon_image::ToneMapping::Neutral, 4.5);
+                    gnomon_image::write(format!("{folder}/{name}_{what}.png"), &shown).unwrap();
+                }
+            }
+            compare(&seen, &truth, None).unwrap().relative_rmse
+        };
+        let [soft, none] = ["convolution", "none"].map(error);
+        println!("{name}: relative RMSE {soft:.4}, without shadows {none:.4}");
+        assert!(soft <= tolerances::LAMP_RELATIVE_RMSE, "{name}: {soft}");
+        // A planted fault: no shadows at all.
+        assert!(none > 2.0 * tolerances::LAMP_RELATIVE_RMSE, "{name}: {none}");
+    }
+}
+
+/// The lamp's light comes on top of the environment's, whatever the compositing rule.
+#[test]
+fn lamps_add_to_the_environment_under_every_rule() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let lit = lamp_over_boxes(DISK);
+    let dark = Scene { lights: Vec::new(), ..lit.clone() };
+    let camera = &lit.cameras[0];
+    let map = constant_map(Vec3::ONE);
+    let mut set = one_disk(Vec3::new(0.5, 0.8, 0.2).normalize(), 0.3);
+    set.residual = constant_map(Vec3::splat(0.3));
+    for rule in composite::COMPOSITINGS {
+        let settings =
+            RenderSettings { compositing: rule.name.to_owned(), background: false, ..settings("hard") };
+        let seen =
+            |scene, map, set| render(&gpu, settings.clone(), scene, map, set, camera, [48, 36]).radiance;
+        let both = seen(&lit, &map, &set);
+        let sum = (seen(&dark, &map, &set), seen(&lit, &no_light(), &dark_set()));
+        let parts = sum.0.texels().iter().zip(sum.1.texels()).map(|(a, b)| *a + *b);
+        for (both, parts) in both.texels().iter().zip(parts) {
+            assert!((*both - parts).abs().max_element() < 1e-4, "{}: {both} {parts}", rule.name);
+        }
+    }
+}
+
+#[test]
+fn highlights_are_about_as_bright_as_ray_traced_ones() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    for roughness in [0.15_f32, 0.4, 0.7] {
+        let surface = Surface { base_color: Vec3::ONE, metallic: 1.0, roughness, ..Default::default() };
+        let floor = horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0);
+        let mut scene = scene_of(vec![floor], Material { surface, ..Default::default() });
+        add_light(&mut scene, AreaLightShape::Disk { radius: 0.3 }, facing_down(Vec3::new(0.0, 2.0, -1.0)));
+        let camera = Camera::look_at(Vec3::new(0.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 0.8), 0.9);
+        let options = ReferenceOptions { width: 48, height: 36, samples_per_pixel: 64, ..Default::default() };
+        let truth = gnomon_reference::render(&scene, &camera, &no_light(), &options).unwrap().mean;
+        let seen = picture(&gpu, "none", &scene, &camera, [48, 36]);
+        let sum = |image: &RgbImage| image.texels().iter().map(|texel| texel.x).sum::<f32>();
+        let ratio = sum(&seen) / sum(&truth);
+        println!("roughness {roughness}: {ratio} of the truth");
+        assert!((ratio - 1.0).abs() <= tolerances::HIGHLIGHT_FLUX, "roughness {roughness}: {ratio}");
+    }
+}
+
+#[test]
+fn lamps_move_with_their_nodes() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut scene = lamp_over_boxes(DISK);
+    let camera = scene.cameras[0].clone();
+    let fresh = |scene: &Scene| picture(&gpu, "convolution", scene, &camera, [32, 24]);
+    let mut renderer = unlit_renderer(&gpu, "convolution");
+    renderer.set_scene(&scene).unwrap();
+    let before = renderer.render(&camera, 32, 24).unwrap().radiance;
+    assert_eq!(before, fresh(&scene));
+    let node = scene.lights[0].node.0;
+    scene.nodes[node].parent_from_node = facing(Vec3::new(1.5, 3.0, 1.0), Vec3::ZERO);
+    renderer.move_scene(&scene).unwrap();
+    let moved = renderer.render(&camera, 32, 24).unwrap().radiance;
+    assert_ne!(moved, before);
+    assert_eq!(moved, fresh(&scene));
+    // A lamp goes out, another joins: as a new scene.
+    scene.lights[0].radiance = Vec3::ZERO;
+    renderer.move_scene(&scene).unwrap();
+    assert!(renderer.render(&camera, 32, 24).unwrap().radiance.texels().iter().all(|t| *t == Vec3::ZERO));
+    add_light(&mut scene, AreaLightShape::Sphere { radius: 0.1 }, Affine3A::from_translation(Vec3::Y * 3.0));
+    renderer.move_scene(&scene).unwrap();
+    assert_eq!(renderer.render(&camera, 32, 24).unwrap().radiance, fresh(&scene));
+}
+
+#[test]
+fn odd_lamps_are_defined() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let boxes = builtin::by_name("three-boxes").unwrap();
+    let camera = &boxes.cameras[0];
+    for shadows in ["hard", "convolution"] {
+        let mut renderer = unlit_renderer(&gpu, shadows);
+        let mut picture = |shape, place| {
+            let mut scene = boxes.clone();
+            add_light(&mut scene, shape, place);
+            renderer.set_scene(&scene).unwrap();
+            let image = renderer.render(camera, 16, 12).unwrap().radiance;
+            assert!(image.texels().iter().all(|texel| texel.is_finite() && texel.min_element() >= 0.0));
+            image.texels().iter().all(|texel| *texel == Vec3::ZERO)
+        };
+        for shape in [
+            AreaLightShape::Sphere { radius: 0.0 },
+            AreaLightShape::Disk { radius: -1.0 },
+            AreaLightShape::Rectangle { size: Vec2::new(f32::NAN, 1.0) },
+        ] {
+            assert!(picture(shape, facing_down(Vec3::Y * 3.0)), "{shape:?} is dark");
+        }
+        for shape in [
+            DISK,
+            AreaLightShape::Rectangle { size: Vec2::splat(0.1) },
+            AreaLightShape::Sphere { radius: 0.1 },
+        ] {
+            assert!(!picture(shape, facing_down(Vec3::Y * 3.0)), "{shape:?} shines");
+            let flat = !matches!(shape, AreaLightShape::Sphere { .. });
+            let away = facing(Vec3::Y * 3.0, Vec3::Y * 9.0);
+            assert_eq!(picture(shape, away), flat, "{shape:?} faces away");
+            // Under the ground, inside a box, in the ground's very plane.
+            for position in [Vec3::Y * -1.0, Vec3::new(0.6, 0.9, -0.7), Vec3::ZERO] {
+                picture(shape, facing_down(position));
+            }
+        }
+        let around = AreaLightShape::Sphere { radius: 100.0 };
+        assert!(picture(around, Affine3A::IDENTITY), "inside a sphere there is none of its light");
+    }
+}

@@ -1,0 +1,95 @@
+#import frame
+#import brdf_ggx
+#import form_factor
+
+// Unshadowed light of one area light on a surface.
+
+// Irradiance of a surface at `position_world` with the normal `n` per unit of the light's radiance [sr].
+fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
+    if lights[light].kind == KIND_DISTANT {
+        if lights[light].shape == SHAPE_DISK {
+            return disk_form_factor(n, lights[light].direction, lights[light].angular_radius);
+        }
+        return rectangle_form_factor(n, lights[light].corners);
+    }
+    let to_light = lights[light].position - position_world;
+    let half_extent = lights[light].half_extent;
+    if lights[light].kind == KIND_SPHERE {
+        let distance = length(to_light);
+        if distance <= half_extent.x {
+            return 0.0;
+        }
+        return disk_form_factor(n, to_light / distance, asin(half_extent.x / distance));
+    }
+    if dot(to_light, lights[light].direction) <= 0.0 {
+        return 0.0;
+    }
+    let a = half_extent.x * lights[light].tangent;
+    let b = half_extent.y * lights[light].bitangent;
+    if lights[light].shape == SHAPE_DISK {
+        return flat_disk_form_factor(n, to_light, a, b);
+    }
+    return rectangle_form_factor(
+        n,
+        array(
+            vec4f(to_light - a - b, 0.0),
+            vec4f(to_light - a + b, 0.0),
+            vec4f(to_light + a + b, 0.0),
+            vec4f(to_light + a - b, 0.0),
+        ),
+    );
+}
+
+struct SpecularSurface {
+    n: vec3f,
+    wo: vec3f,
+    f0: vec3f,
+    f90: f32,
+    alpha: f32,
+}
+
+fn ggx_lobe(surface: SpecularSurface, wi: vec3f, alpha: f32) -> vec3f {
+    let h = normalize(wi + surface.wo);
+    let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
+    let n_dot_l = max(dot(surface.n, wi), 0.0);
+    return f_schlick(surface.f0, surface.f90, max(dot(surface.wo, h), 0.0))
+        * (d_ggx(saturate(dot(surface.n, h)), alpha) * v_smith_ggx_correlated(n_dot_v, n_dot_l, surface.alpha) * n_dot_l);
+}
+
+// Radiance reflected by the surface's microfacets per unit of the light's radiance.
+fn light_specular(light: u32, position_world: vec3f, surface: SpecularSurface) -> vec3f {
+    if lights[light].kind == KIND_DISTANT {
+        // The light's extent widens the lobe (Karis 2013, area lights): alpha' = alpha + half the light's radius.
+        let solid_angle = lights[light].solid_angle;
+        let wide = saturate(surface.alpha + 0.5 * sqrt(solid_angle / PI));
+        return ggx_lobe(surface, lights[light].direction, wide) * solid_angle;
+    }
+    let to_light = lights[light].position - position_world;
+    let distance2 = dot(to_light, to_light);
+    let reflected = reflect(-surface.wo, surface.n);
+    let radius = lights[light].half_extent.x;
+    var seen_area = lights[light].solid_angle;
+    // The point of the light that lies nearest to the mirrored view ray stands for all of it (Karis 2013).
+    var nearest = to_light;
+    if lights[light].kind == KIND_SPHERE {
+        let aside = dot(to_light, reflected) * reflected - to_light;
+        nearest += aside * saturate(radius / max(length(aside), 1e-20));
+    } else {
+        seen_area *= max(dot(to_light, lights[light].direction), 0.0) * inverseSqrt(distance2);
+        let slant = dot(reflected, lights[light].direction);
+        let distance = dot(to_light, lights[light].direction) / max(slant, 1e-3);
+        let aside = reflected * distance - to_light;
+        var place = vec2f(dot(aside, lights[light].tangent), dot(aside, lights[light].bitangent));
+        if lights[light].shape == SHAPE_DISK {
+            place *= saturate(radius / max(length(place), 1e-20));
+        } else {
+            place = clamp(place, -lights[light].half_extent, lights[light].half_extent);
+        }
+        nearest += place.x * lights[light].tangent + place.y * lights[light].bitangent;
+    }
+    // Its lobe keeps the energy of one widened by the light's extent.
+    let solid_angle = min(seen_area / distance2, TAU);
+    let wide = saturate(surface.alpha + 0.5 * sqrt(solid_angle / PI));
+    let narrowing = surface.alpha / wide;
+    return ggx_lobe(surface, normalize(nearest), surface.alpha) * (narrowing * narrowing * solid_angle);
+}
