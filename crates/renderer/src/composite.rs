@@ -1,4 +1,5 @@
-//! Compositing rules, side by side on one interface: `composite(full, residual, unshadowed, shadowed)` in WGSL.
+//! Compositing rules, side by side on one interface: `composite(full, unshadowed, shadowed)` in WGSL, where the last
+//! two are the fit: its lights and its ambient rest.
 
 use crate::RenderError;
 

@@ -7,44 +7,25 @@ use crate::{Gpu, RenderError};
 
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// One linear depth map a light, the layers of one texture array.
+/// Depth maps for a batch of lights, the layers of one texture array.
 pub(crate) struct DepthMaps {
     pub array: wgpu::TextureView,
     pub resolution: u32,
-    pub light_count: u32,
+    /// Number of lights there is room for.
+    pub capacity: u32,
     layers: Vec<wgpu::TextureView>,
-    /// Whether each light's map is perspective.
-    perspective: Vec<bool>,
-    bind_group: wgpu::BindGroup,
 }
 
 impl DepthMaps {
-    /// Maps for all of `lights`, a buffer of [`layout::Light`]; `perspective` tells which of them see in perspective.
-    pub fn new(
-        gpu: &Gpu,
-        pass: &ShadowMapPass,
-        lights: &wgpu::Buffer,
-        perspective: Vec<bool>,
-        resolution: u32,
-    ) -> Result<Self, RenderError> {
-        let light_count = perspective.len() as u32;
-        let limit = gpu.max_layers();
-        if light_count > limit {
-            return Err(RenderError::OverLimit {
-                what: "lights with a shadow map",
-                wanted: u64::from(light_count),
-                limit: u64::from(limit),
-                adapter: gpu.adapter().name.clone(),
-            });
-        }
+    pub fn new(gpu: &Gpu, capacity: u32, resolution: u32) -> Self {
         let texture = gpu.texture(
             "depth maps",
-            [resolution, resolution, light_count.max(1)],
+            [resolution, resolution, capacity.max(1)],
             1,
             DEPTH_FORMAT,
             wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
         );
-        let layers = (0..light_count)
+        let layers = (0..capacity)
             .map(|layer| {
                 texture.create_view(&wgpu::TextureViewDescriptor {
                     dimension: Some(wgpu::TextureViewDimension::D2),
@@ -54,13 +35,12 @@ impl DepthMaps {
                 })
             })
             .collect();
-        let bind_group = gpu.bind_group("shadow map", &pass.layout, &[(0, lights.as_entire_binding())]);
-        Ok(Self { array: array_view(&texture), resolution, light_count, layers, perspective, bind_group })
+        Self { array: array_view(&texture), resolution, capacity, layers }
     }
 
-    /// GPU memory of the maps in bytes.
-    pub fn bytes(&self) -> u64 {
-        4 * u64::from(self.resolution).pow(2) * u64::from(self.light_count)
+    /// GPU memory of one light's map in bytes.
+    pub fn bytes_per_light(resolution: u32) -> u64 {
+        4 * u64::from(resolution).pow(2)
     }
 }
 
@@ -120,8 +100,21 @@ impl ShadowMapPass {
         Ok(Self { layout, pipeline, perspective_pipeline })
     }
 
-    pub fn encode(&self, recorder: &mut Recorder<'_>, geometry: &Geometry, maps: &DepthMaps) {
-        for ((light, layer), &perspective) in (0..).zip(&maps.layers).zip(&maps.perspective) {
+    /// Bind group of the lights of one batch, a buffer of [`layout::Light`].
+    pub fn lights_group(&self, gpu: &Gpu, lights: &wgpu::Buffer) -> wgpu::BindGroup {
+        gpu.bind_group("shadow map", &self.layout, &[(0, lights.as_entire_binding())])
+    }
+
+    /// Draws the maps of a batch of lights; `perspective` tells for each of them whether it sees in perspective.
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        geometry: &Geometry,
+        maps: &DepthMaps,
+        lights_group: &wgpu::BindGroup,
+        perspective: &[bool],
+    ) {
+        for ((light, layer), &perspective) in (0..).zip(&maps.layers).zip(perspective) {
             let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -136,7 +129,7 @@ impl ShadowMapPass {
             });
             if geometry.index_count > 0 {
                 pass.set_pipeline(if perspective { &self.perspective_pipeline } else { &self.pipeline });
-                pass.set_bind_group(0, &maps.bind_group, &[]);
+                pass.set_bind_group(0, lights_group, &[]);
                 pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
                 pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(0..geometry.index_count, 0, light..light + 1);

@@ -4,6 +4,8 @@
 //! `shadow filter` makes the shadow technique's images of them; `gbuffer` draws what the camera sees; `shade` lights
 //! every sample in compute; `resolve` filters samples to pixels and tone-maps them.
 
+pub mod ambient;
+mod batch_plan;
 mod bindings;
 mod bounds;
 mod camera;
@@ -23,9 +25,11 @@ mod renderer;
 mod resolve;
 mod shade;
 pub mod shadow;
+mod shadow_batches;
 #[cfg(test)]
 mod twins;
 
+pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions, list_adapters};
 pub use recorder::PassTiming;

@@ -153,8 +153,8 @@ pub(crate) fn light_uniform(
         position: [0.0; 3],
         kind: layout::KIND_DISTANT,
         half_extent: [0.0; 2],
-        padding_0: 0.0,
-        padding_1: 0.0,
+        role: layout::ROLE_LIGHT,
+        padding: 0.0,
     }
 }
 

@@ -3,8 +3,9 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
 use gnomon_image::RgbImage;
-use gnomon_lights::{DistantLight, LightSet};
+use gnomon_lights::DistantLight;
 
+use crate::ambient::AmbientLights;
 use crate::{Gpu, RenderError};
 
 /// Texels along the side of the environment BRDF's table; the outermost ones stand for 0 and 1.
@@ -20,6 +21,8 @@ const PREFILTERED_LEVELS: u32 = 5;
 /// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
 pub(crate) struct Lighting {
     pub lights: Vec<DistantLight>,
+    /// Lights that only tell how much of the sky is open.
+    pub probes: Vec<DistantLight>,
     pub residual_sh: [[f32; 4]; 9],
     pub background: wgpu::TextureView,
     pub irradiance_full: wgpu::TextureView,
@@ -29,7 +32,7 @@ pub(crate) struct Lighting {
 }
 
 impl Lighting {
-    pub fn new(gpu: &Gpu, map: &Equirect, set: &LightSet) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu, map: &Equirect, ambient: AmbientLights) -> Result<Self, RenderError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let largest = map.width().max(map.height());
         if largest > limit {
@@ -40,7 +43,7 @@ impl Lighting {
                 adapter: gpu.adapter().name.clone(),
             });
         }
-        let residual_sh = Sh9::project(&set.residual);
+        let residual_sh = Sh9::project(&ambient.residual);
         let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
@@ -49,12 +52,13 @@ impl Lighting {
             upload(gpu, "prefiltered", filtered.levels().iter().map(Equirect::radiance))
         };
         Ok(Self {
-            lights: set.lights.clone(),
+            lights: ambient.lights,
+            probes: ambient.probes,
             residual_sh: residual_sh.coefficients.map(|c| c.extend(0.0).to_array()),
             background: upload(gpu, "background", [map.radiance()]),
             irradiance_full: upload(gpu, "irradiance", &[irradiance_map(map)]),
             prefiltered_full: prefiltered(map),
-            prefiltered_residual: prefiltered(&set.residual),
+            prefiltered_residual: prefiltered(&ambient.residual),
             dfg_table: upload(gpu, "dfg", &[dfg]),
         })
     }

@@ -78,8 +78,8 @@ pub(crate) fn near_light_uniform(
         position: light.center.to_array(),
         kind,
         half_extent: half_extent.to_array(),
-        padding_0: 0.0,
-        padding_1: 0.0,
+        role: layout::ROLE_LIGHT,
+        padding: 0.0,
     }
 }
 

@@ -28,13 +28,16 @@ impl<'a> Recorder<'a> {
         Self { gpu, encoder: new_encoder(gpu), profile, started: Instant::now(), timings: Vec::new() }
     }
 
-    /// Ends the pass called `name`: everything recorded since the last call.
+    /// Ends the pass called `name`: everything recorded since the last call. Times of passes with one name add up.
     pub fn end_pass(&mut self, name: &'static str) -> Result<(), RenderError> {
         if self.profile {
             self.submit()?;
             self.gpu.wait()?;
             let milliseconds = self.started.elapsed().as_secs_f64() * 1e3;
-            self.timings.push(PassTiming { name, milliseconds });
+            match self.timings.iter_mut().find(|timing| timing.name == name) {
+                Some(timing) => timing.milliseconds += milliseconds,
+                None => self.timings.push(PassTiming { name, milliseconds }),
+            }
             self.started = Instant::now();
         }
         Ok(())

@@ -5,19 +5,20 @@ use gnomon_lights::LightSet;
 use gnomon_scene::{Bounds, Camera, PlacedLight, Scene};
 use gnomon_shaders::layout;
 
+use crate::ambient::{self, Ambient};
+use crate::batch_plan::ShadowSizing;
 use crate::camera::CameraMatrices;
 use crate::composite::{self, Compositing};
-use crate::depth_maps::{DepthMaps, ShadowMapPass};
+use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
-use crate::light_frame::light_uniform;
 use crate::lighting::Lighting;
 use crate::materials::Materials;
-use crate::near_light_frame::near_light_uniform;
 use crate::recorder::{PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
 use crate::shade::{RADIANCE_FORMAT, ShadeLayouts, ShadePass};
-use crate::shadow::{self, ShadowResources, ShadowSettings, ShadowTechnique};
+use crate::shadow::{self, ShadowSettings, ShadowTechnique};
+use crate::shadow_batches::ShadowBatches;
 use crate::{Gpu, RenderError};
 
 /// How frames are drawn.
@@ -27,10 +28,18 @@ pub struct RenderSettings {
     pub shadows: String,
     /// Parameters of the techniques.
     pub shadow_settings: ShadowSettings,
-    /// Edge length of every light's depth map in texels: a power of two, 16 to 8192.
+    /// Edge length of the largest depth map in texels: a power of two, 16 to 8192.
     pub shadow_resolution: u32,
+    /// How that becomes the size of each light's map.
+    pub shadow_sizing: ShadowSizing,
+    /// Bytes of GPU memory for shadow maps and their images. Lights that do not fit take turns.
+    pub shadow_memory_bytes: u64,
     /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
     pub normal_offset_texels: f32,
+    /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
+    pub ambient: String,
+    /// Lights or probes that the ambient rest may become, 6 to 4096.
+    pub ambient_cells: usize,
     /// Name of a rule in [`crate::composite::COMPOSITINGS`].
     pub compositing: String,
     /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
@@ -51,7 +60,11 @@ impl Default for RenderSettings {
             shadows: "convolution".to_owned(),
             shadow_settings: ShadowSettings::default(),
             shadow_resolution: 256,
+            shadow_sizing: ShadowSizing::default(),
+            shadow_memory_bytes: 1 << 30,
             normal_offset_texels: 1.5,
+            ambient: "cells".to_owned(),
+            ambient_cells: 32,
             compositing: "ratio".to_owned(),
             samples: 2,
             exposure_ev: 0.0,
@@ -77,6 +90,7 @@ pub struct Renderer<'gpu> {
     gpu: &'gpu Gpu,
     settings: RenderSettings,
     technique: &'static dyn ShadowTechnique,
+    ambient: &'static Ambient,
     compositing: &'static Compositing,
     passes: Passes,
     geometry: Geometry,
@@ -100,16 +114,16 @@ struct Passes {
 /// What depends on the lights.
 struct Lit {
     lighting: Lighting,
-    lights: wgpu::Buffer,
-    depth_maps: DepthMaps,
-    shadows: Box<dyn ShadowResources>,
+    batches: ShadowBatches,
+    frame_groups: Vec<wgpu::BindGroup>,
     shade: ShadePass,
-    frame_group: wgpu::BindGroup,
 }
 
 /// What depends on the picture's size.
 struct Target {
     size: [u32; 2],
+    /// Whether several batches can sum their light.
+    sums: bool,
     gbuffer: GBuffer,
     gbuffer_group: wgpu::BindGroup,
     sample_group: wgpu::BindGroup,
@@ -145,6 +159,8 @@ impl<'gpu> Renderer<'gpu> {
             });
         }
         let technique = shadow::by_name(&settings.shadows)?;
+        let ambient = ambient::by_name(&settings.ambient)?;
+        check_range("cells of the ambient rest", settings.ambient_cells, 6..=4096)?;
         let compositing = composite::by_name(&settings.compositing)?;
         let passes = Passes {
             transform: TransformPass::new(gpu)?,
@@ -163,6 +179,7 @@ impl<'gpu> Renderer<'gpu> {
         let renderer = Self {
             gpu,
             technique,
+            ambient,
             compositing,
             geometry: Geometry::new(gpu, &passes.transform, &scene)?,
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
@@ -221,36 +238,43 @@ impl<'gpu> Renderer<'gpu> {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
     pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
-        self.light_up(Lighting::new(self.gpu, map, set)?)?;
+        let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
+        self.light_up(Lighting::new(self.gpu, map, ambient)?)?;
         self.gpu.check()
     }
 
     /// Makes what depends on the lights: those of the environment and then the scene's own.
     fn light_up(&mut self, lighting: Lighting) -> Result<(), RenderError> {
         let gpu = self.gpu;
-        let mut perspective = vec![false; lighting.lights.len()];
-        perspective.resize(lighting.lights.len() + self.near_lights.len(), true);
-        let lights = gpu.empty_buffer(
-            "lights",
-            (size_of::<layout::Light>() * perspective.len().max(1)) as u64,
-            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-        );
-        let (maps, resolution) = match self.technique.needs_depth_maps() {
-            true => (perspective, self.settings.shadow_resolution),
-            false => (Vec::new(), 1),
-        };
-        let depth_maps = DepthMaps::new(gpu, &self.passes.shadow_map, &lights, maps, resolution)?;
-        let shadows = self.technique.resources(gpu, &self.settings.shadow_settings, &depth_maps)?;
-        let module = self.technique.module();
-        let shade = ShadePass::new(gpu, &self.passes.shade_layouts, module, &*shadows, self.compositing)?;
-        let frame_group = self.passes.shade_layouts.frame_group(gpu, &self.view, &lights, &lighting);
-        self.lighting = Some(Lit { lighting, lights, depth_maps, shadows, shade, frame_group });
+        let (technique, passes) = (self.technique, &self.passes);
+        let batches = ShadowBatches::new(
+            gpu,
+            &passes.shadow_map,
+            technique,
+            &self.settings,
+            &lighting,
+            &self.near_lights,
+        )?;
+        let shade = ShadePass::new(
+            gpu,
+            &passes.shade_layouts,
+            technique.module(),
+            batches.shadow_layout(),
+            self.compositing,
+        )?;
+        let frame_groups = batches.frame_groups(gpu, &passes.shade_layouts, &self.view, &lighting);
+        self.lighting = Some(Lit { lighting, batches, frame_groups, shade });
         Ok(())
     }
 
     /// GPU memory of all shadow maps and their filtered images in bytes.
     pub fn shadow_bytes(&self) -> u64 {
-        self.lighting.as_ref().map_or(0, |lit| lit.depth_maps.bytes() + lit.shadows.bytes())
+        self.lighting.as_ref().map_or(0, |lit| lit.batches.bytes())
+    }
+
+    /// Number of batches that the lights are drawn in: one for each size of map, more where memory is short.
+    pub fn shadow_batches(&self) -> usize {
+        self.lighting.as_ref().map_or(0, |lit| lit.batches.len())
     }
 
     /// Draws one frame of `width` x `height` pixels and waits for it.
@@ -280,8 +304,10 @@ impl<'gpu> Renderer<'gpu> {
         let largest = gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
         check_range("picture width", width, 1..=largest)?;
         check_range("picture height", height, 1..=largest)?;
-        if self.target.as_ref().is_none_or(|target| target.size != [width, height]) {
-            self.target = Some(self.new_target([width, height]));
+        let sums = self.lighting.as_ref().is_some_and(|lit| lit.batches.len() > 1);
+        if self.target.as_ref().is_none_or(|target| target.size != [width, height] || (sums && !target.sums))
+        {
+            self.target = Some(self.new_target([width, height], sums)?);
         }
         let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
@@ -293,10 +319,6 @@ impl<'gpu> Renderer<'gpu> {
         let mut recorder = Recorder::new(gpu, self.settings.profile);
         self.passes.transform.encode(&mut recorder, &self.geometry);
         recorder.end_pass("transform")?;
-        self.passes.shadow_map.encode(&mut recorder, &self.geometry, &lit.depth_maps);
-        recorder.end_pass("shadow maps")?;
-        lit.shadows.encode(&mut recorder);
-        recorder.end_pass("shadow filter")?;
         self.passes.gbuffer.encode(
             &mut recorder,
             &target.gbuffer,
@@ -305,10 +327,14 @@ impl<'gpu> Renderer<'gpu> {
             &self.materials,
         );
         recorder.end_pass("gbuffer")?;
-        let groups =
-            [&lit.frame_group, &target.gbuffer_group, lit.shadows.bind_group(), &target.sample_group];
-        lit.shade.encode(&mut recorder, groups, sample_size);
-        recorder.end_pass("shade")?;
+        lit.batches.encode(
+            &mut recorder,
+            (&self.passes.shadow_map, &lit.shade),
+            &self.geometry,
+            &lit.frame_groups,
+            [&target.gbuffer_group, &target.sample_group],
+            sample_size,
+        )?;
         self.passes.resolve.encode(
             &mut recorder,
             &target.output,
@@ -329,25 +355,16 @@ impl<'gpu> Renderer<'gpu> {
             world_from_clip: matrices.world_from_clip.to_cols_array_2d(),
             eye_world: matrices.eye_world.to_array(),
             size: [width, height],
-            light_count: (lit.lighting.lights.len() + self.near_lights.len()) as u32,
             flags: if self.settings.background { layout::FLAG_BACKGROUND } else { 0 },
+            padding: 0,
             residual_sh: lit.lighting.residual_sh,
         };
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let RenderSettings { shadow_resolution, normal_offset_texels, .. } = self.settings;
-        let boxes = &self.geometry.boxes;
-        let distant = lit.lighting.lights.iter();
-        let near = self.near_lights.iter();
-        let lights: Vec<layout::Light> = distant
-            .map(|light| light_uniform(light, boxes, shadow_resolution, normal_offset_texels))
-            .chain(
-                near.map(|light| near_light_uniform(light, boxes, shadow_resolution, normal_offset_texels)),
-            )
-            .collect();
-        self.gpu.queue.write_buffer(&lit.lights, 0, bytemuck::cast_slice(&lights));
+        let offset = self.settings.normal_offset_texels;
+        lit.batches.write_lights(self.gpu, &lit.lighting, &self.near_lights, &self.geometry.boxes, offset);
     }
 
-    fn new_target(&self, size: [u32; 2]) -> Target {
+    fn new_target(&self, size: [u32; 2], sums: bool) -> Result<Target, RenderError> {
         let gpu = self.gpu;
         let sample_size = size.map(|side| side * self.settings.samples);
         let gbuffer = GBuffer::new(gpu, sample_size);
@@ -356,12 +373,25 @@ impl<'gpu> Renderer<'gpu> {
         let samples = gpu
             .texture("samples", [width, height, 1], 1, RADIANCE_FORMAT, usage)
             .create_view(&Default::default());
-        Target {
+        let sum_count = if sums { u64::from(width) * u64::from(height) } else { 1 };
+        let sum_bytes = sum_count * size_of::<layout::LightSums>() as u64;
+        let largest = gpu.device.limits().max_storage_buffer_binding_size;
+        if sum_bytes > largest {
+            return Err(RenderError::OverLimit {
+                what: "bytes to sum the light of several batches at every sample",
+                wanted: sum_bytes,
+                limit: largest,
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+        let light_sums = gpu.empty_buffer("light sums", sum_bytes, wgpu::BufferUsages::STORAGE);
+        Ok(Target {
             size,
+            sums,
             gbuffer_group: self.passes.shade_layouts.gbuffer_group(gpu, &gbuffer),
-            sample_group: self.passes.shade_layouts.output_group(gpu, &samples),
+            sample_group: self.passes.shade_layouts.output_group(gpu, &samples, &light_sums),
             output: self.passes.resolve.output(gpu, &samples, size),
             gbuffer,
-        }
+        })
     }
 }

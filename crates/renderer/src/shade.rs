@@ -3,7 +3,7 @@ use crate::composite::Compositing;
 use crate::gbuffer::GBuffer;
 use crate::lighting::Lighting;
 use crate::recorder::Recorder;
-use crate::shadow::ShadowResources;
+use crate::shadow_batches::Batch;
 use crate::{Gpu, RenderError};
 
 pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -26,6 +26,7 @@ impl ShadeLayouts {
             (4, Binding::LOADED),
             (5, Binding::LOADED),
             (6, Binding::LOADED),
+            (7, Binding::Uniform),
         ];
         let gbuffer = [
             (0, Binding::Depth { dimension: D2 }),
@@ -34,7 +35,10 @@ impl ShadeLayouts {
             (3, Binding::LOADED),
             (4, Binding::LOADED),
         ];
-        let output = [(0, Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 })];
+        let output = [
+            (0, Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 }),
+            (1, Binding::Storage { read_only: false }),
+        ];
         Self {
             frame: gpu.layout("frame", compute, &frame),
             gbuffer: gpu.layout("gbuffer", compute, &gbuffer),
@@ -46,10 +50,14 @@ impl ShadeLayouts {
         &self,
         gpu: &Gpu,
         view: &wgpu::Buffer,
-        lights: &wgpu::Buffer,
+        batch: &Batch,
         lighting: &Lighting,
     ) -> wgpu::BindGroup {
-        let mut resources = vec![(0, view.as_entire_binding()), (1, lights.as_entire_binding())];
+        let mut resources = vec![
+            (0, view.as_entire_binding()),
+            (1, batch.lights.as_entire_binding()),
+            (7, batch.parameters.as_entire_binding()),
+        ];
         let maps = [
             &lighting.background,
             &lighting.irradiance_full,
@@ -68,8 +76,15 @@ impl ShadeLayouts {
         gpu.bind_group("gbuffer", &self.gbuffer, &resources)
     }
 
-    pub fn output_group(&self, gpu: &Gpu, radiance: &wgpu::TextureView) -> wgpu::BindGroup {
-        gpu.bind_group("radiance", &self.output, &[(0, wgpu::BindingResource::TextureView(radiance))])
+    /// `sums` carries the light of one batch to the next, [`layout::LightSums`] a sample where there are several.
+    pub fn output_group(
+        &self,
+        gpu: &Gpu,
+        radiance: &wgpu::TextureView,
+        sums: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let resources = [(0, wgpu::BindingResource::TextureView(radiance)), (1, sums.as_entire_binding())];
+        gpu.bind_group("radiance", &self.output, &resources)
     }
 }
 
@@ -83,12 +98,11 @@ impl ShadePass {
         gpu: &Gpu,
         layouts: &ShadeLayouts,
         shadow_module: &str,
-        shadows: &dyn ShadowResources,
+        shadow_layout: Option<&wgpu::BindGroupLayout>,
         compositing: &Compositing,
     ) -> Result<Self, RenderError> {
         let module = gpu.shader("shade", &[("shadow", shadow_module), ("composite", compositing.module)])?;
-        let groups =
-            [Some(&layouts.frame), Some(&layouts.gbuffer), Some(shadows.layout()), Some(&layouts.output)];
+        let groups = [Some(&layouts.frame), Some(&layouts.gbuffer), shadow_layout, Some(&layouts.output)];
         Ok(Self { pipeline: gpu.compute_pipeline(&module, "shade", &groups) })
     }
 

@@ -186,7 +186,8 @@ fn no_lights_and_wrong_settings_are_defined() {
     let none = LightSet::new("test", Vec::new(), constant_map(Vec3::ONE));
     let scene = edge_over_ground(0.0, 1.0);
     let frame = |name| {
-        let frame = render(&gpu, settings(name), &scene, &constant_map(Vec3::ONE), &none, &camera, [8, 8]);
+        let settings = RenderSettings { ambient: "unshadowed".to_owned(), ..settings(name) };
+        let frame = render(&gpu, settings, &scene, &constant_map(Vec3::ONE), &none, &camera, [8, 8]);
         frame.radiance
     };
     let unshadowed = frame("none");

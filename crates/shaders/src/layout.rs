@@ -17,6 +17,14 @@ pub const KIND_DISTANT: u32 = 0;
 pub const KIND_FLAT: u32 = 1;
 /// [`Light::kind`] of a sphere in the scene.
 pub const KIND_SPHERE: u32 = 2;
+/// [`Light::role`] of a light that lights.
+pub const ROLE_LIGHT: u32 = 0;
+/// [`Light::role`] of a light of which only the visibility is asked for.
+pub const ROLE_PROBE: u32 = 1;
+/// [`Batch::flags`]: nothing has been summed before.
+pub const FLAG_FIRST: u32 = 1;
+/// [`Batch::flags`]: nothing is to be summed after.
+pub const FLAG_LAST: u32 = 2;
 /// [`View::flags`]: draw the environment behind the scene.
 pub const FLAG_BACKGROUND: u32 = 1;
 
@@ -27,8 +35,8 @@ pub struct View {
     pub world_from_clip: Mat4,
     pub eye_world: [f32; 4],
     pub size: [u32; 2],
-    pub light_count: u32,
     pub flags: u32,
+    pub padding: u32,
     pub residual_sh: [[f32; 4]; 9],
 }
 
@@ -52,8 +60,34 @@ pub struct Light {
     pub position: [f32; 3],
     pub kind: u32,
     pub half_extent: [f32; 2],
+    pub role: u32,
+    pub padding: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Batch {
+    pub light_count: u32,
+    pub flags: u32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LightSums {
+    pub diffuse_unshadowed: [f32; 3],
+    pub probed: f32,
+    pub diffuse_shadowed: [f32; 3],
+    pub probed_open: f32,
+    pub specular_unshadowed: [f32; 3],
     pub padding_0: f32,
+    pub specular_shadowed: [f32; 3],
     pub padding_1: f32,
+    pub diffuse_near: [f32; 3],
+    pub padding_2: f32,
+    pub specular_near: [f32; 3],
+    pub padding_3: f32,
 }
 
 #[repr(C)]

@@ -47,7 +47,7 @@ macro_rules! fields {
 
 fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
     vec![
-        fields!(View { clip_from_world, world_from_clip, eye_world, size, light_count, flags, residual_sh }),
+        fields!(View { clip_from_world, world_from_clip, eye_world, size, flags, padding, residual_sh }),
         fields!(Light {
             direction,
             shape,
@@ -66,8 +66,23 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             position,
             kind,
             half_extent,
+            role,
+            padding,
+        }),
+        fields!(Batch { light_count, flags, padding_0, padding_1 }),
+        fields!(LightSums {
+            diffuse_unshadowed,
+            probed,
+            diffuse_shadowed,
+            probed_open,
+            specular_unshadowed,
             padding_0,
+            specular_shadowed,
             padding_1,
+            diffuse_near,
+            padding_2,
+            specular_near,
+            padding_3,
         }),
         fields!(MeshVertex { position, instance, normal, tangent_sign, tangent, padding }),
         fields!(Instance { world_from_mesh, normal_from_mesh }),

@@ -13,3 +13,4 @@
 @group(0) @binding(5) var prefiltered_residual: texture_2d<f32>;
 // Scale and bias of f0 in the environment BRDF (Karis 2013) over (n.v, roughness).
 @group(0) @binding(6) var dfg_table: texture_2d<f32>;
+@group(0) @binding(7) var<uniform> batch: Batch;

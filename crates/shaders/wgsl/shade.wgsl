@@ -14,8 +14,12 @@
 @group(1) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
 
 @group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
+// One a sample, where lights come in several batches.
+@group(3) @binding(1) var<storage, read_write> light_sums: array<LightSums>;
 
 const FLAG_BACKGROUND: u32 = 1u;
+const FLAG_FIRST: u32 = 1u;
+const FLAG_LAST: u32 = 2u;
 // `gnomon_brdf::MIN_ALPHA`.
 const MIN_ALPHA: f32 = 0.002;
 
@@ -35,9 +39,13 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= view.size) {
         return;
     }
+    let last = (batch.flags & FLAG_LAST) != 0u;
     let ndc = (vec2f(id.xy) + 0.5) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     let depth = textureLoad(gbuffer_depth, id.xy, 0);
     if depth == 0.0 {
+        if !last {
+            return;
+        }
         let near = view.world_from_clip * vec4f(ndc, 1.0, 1.0);
         let direction = normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz);
         let shown = (view.flags & FLAG_BACKGROUND) != 0u;
@@ -65,57 +73,67 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     let has_specular = f90 > 0.0;
 
     let specular_surface = SpecularSurface(n, wo, f0, f90, alpha);
-    var diffuse_unshadowed = vec3f(0.0);
-    var diffuse_shadowed = vec3f(0.0);
-    var specular_unshadowed = vec3f(0.0);
-    var specular_shadowed = vec3f(0.0);
-    // Lights in the scene are no part of the environment: they come on top of what the compositing rule makes of that.
-    var diffuse_near = vec3f(0.0);
-    var specular_near = vec3f(0.0);
-    for (var light = 0u; light < view.light_count; light++) {
+    let sample = id.y * view.size.x + id.x;
+    var sums: LightSums;
+    if (batch.flags & FLAG_FIRST) == 0u {
+        sums = light_sums[sample];
+    }
+    for (var light = 0u; light < batch.light_count; light++) {
         let form_factor = light_form_factor(light, position_world, n);
         if form_factor <= 0.0 {
             continue;
         }
         let visible = visibility(light, position_world, geometric_normal);
+        if lights[light].role == ROLE_PROBE {
+            sums.probed += form_factor;
+            sums.probed_open += form_factor * visible;
+            continue;
+        }
         let diffuse = lights[light].radiance * form_factor;
         var specular = vec3f(0.0);
         if has_specular {
             specular = light_specular(light, position_world, specular_surface) * lights[light].radiance;
         }
         if lights[light].kind == KIND_DISTANT {
-            diffuse_unshadowed += diffuse;
-            diffuse_shadowed += diffuse * visible;
-            specular_unshadowed += specular;
-            specular_shadowed += specular * visible;
+            sums.diffuse_unshadowed += diffuse;
+            sums.diffuse_shadowed += diffuse * visible;
+            sums.specular_unshadowed += specular;
+            sums.specular_shadowed += specular * visible;
         } else {
-            diffuse_near += diffuse * visible;
-            specular_near += specular * visible;
+            sums.diffuse_near += diffuse * visible;
+            sums.specular_near += specular * visible;
         }
     }
 
+    if !last {
+        light_sums[sample] = sums;
+        return;
+    }
+
+    // Of the ambient rest, what the probes see.
+    let open = select(1.0, sums.probed_open / sums.probed, sums.probed > 0.0);
     let dfg = environment_brdf(n_dot_v, roughness);
     let specular_albedo = f0 * dfg.x + f90 * dfg.y;
     // What the dielectric's surface lets through to its base, F taken for light along the normal: glTF weighs the base by F at
     // v.h, which stays far from grazing for most light even where n.v does not.
     let base_weight = 1.0 - max_component(f_schlick(f0_f90.rgb, f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
-    let ambient = composite(
+    let ambient_diffuse = max(sh_irradiance(view.residual_sh, n), vec3f(0.0));
+    let environment_diffuse = composite(
         equirect_lookup(irradiance_full, n, 0),
-        max(sh_irradiance(view.residual_sh, n), vec3f(0.0)),
-        diffuse_unshadowed,
-        diffuse_shadowed,
+        ambient_diffuse + sums.diffuse_unshadowed,
+        open * ambient_diffuse + sums.diffuse_shadowed,
     );
-    let diffuse = base_weight * (ambient + diffuse_near);
+    let diffuse = base_weight * (environment_diffuse + sums.diffuse_near);
     var result = emissive_roughness.rgb + diffuse_color / PI * diffuse;
     if has_specular {
         let reflected = reflect(-wo, n);
         let level = roughness * f32(textureNumLevels(prefiltered_full) - 1u);
+        let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo;
         result += composite(
             equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo,
-            equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo,
-            specular_unshadowed,
-            specular_shadowed,
-        ) + specular_near;
+            ambient_specular + sums.specular_unshadowed,
+            open * ambient_specular + sums.specular_shadowed,
+        ) + sums.specular_near;
     }
     textureStore(radiance, id.xy, vec4f(result, 1.0));
 }

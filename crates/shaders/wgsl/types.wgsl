@@ -8,9 +8,9 @@ struct View {
     eye_world: vec4f,
     // Picture size in samples.
     size: vec2u,
-    light_count: u32,
     // Bit 0: draw the environment behind the scene.
     flags: u32,
+    padding: u32,
     // SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
     residual_sh: array<vec4f, 9>,
 }
@@ -22,6 +22,10 @@ const SHAPE_RECTANGLE: u32 = 1u;
 const KIND_DISTANT: u32 = 0u;
 const KIND_FLAT: u32 = 1u;
 const KIND_SPHERE: u32 = 2u;
+
+// What a light is for: light, or to tell how much of the sky is open.
+const ROLE_LIGHT: u32 = 0u;
+const ROLE_PROBE: u32 = 1u;
 
 // A uniform area light and its shadow map's frame. The outline of a light in the scene is given as it would look straight on from a
 // distance of 1 m: then tangents of angles are metres.
@@ -59,8 +63,35 @@ struct Light {
     kind: u32,
     // Half width and height of a light in the scene, a sphere's radius in both [m].
     half_extent: vec2f,
+    role: u32,
+    padding: f32,
+}
+
+// A batch of lights whose maps are held together.
+struct Batch {
+    light_count: u32,
+    // Bit 0: the first of the frame; bit 1: the last.
+    flags: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+// What the lights of the batches so far give one sample: irradiance, and specular radiance.
+struct LightSums {
+    diffuse_unshadowed: vec3f,
+    // Projected solid angle of the probes: of all, and of what is visible of them.
+    probed: f32,
+    diffuse_shadowed: vec3f,
+    probed_open: f32,
+    specular_unshadowed: vec3f,
     padding_0: f32,
+    specular_shadowed: vec3f,
     padding_1: f32,
+    // Of lights in the scene, shadowed: the environment's compositing rule does not concern them.
+    diffuse_near: vec3f,
+    padding_2: f32,
+    specular_near: vec3f,
+    padding_3: f32,
 }
 
 // One vertex as it lies in its mesh.

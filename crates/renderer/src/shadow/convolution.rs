@@ -67,6 +67,16 @@ impl ShadowTechnique for Convolution {
         true
     }
 
+    fn bytes_per_light(&self, settings: &ShadowSettings, resolution: u32) -> u64 {
+        // Four images of 8 bytes a texel and group, linear depth of 4; a full mip chain holds 4/3 of its top level.
+        let groups = u64::from(settings.convolution.order.div_ceil(4));
+        u64::from(resolution).pow(2) * 4 / 3 * (groups * 4 * 8 + 4)
+    }
+
+    fn layers_per_light(&self, settings: &ShadowSettings) -> u32 {
+        settings.convolution.order.div_ceil(4)
+    }
+
     fn resources(
         &self,
         gpu: &Gpu,
@@ -87,9 +97,7 @@ struct Resources {
     mip_rgba16: wgpu::ComputePipeline,
     mip_r32: wgpu::ComputePipeline,
     resolution: u32,
-    light_count: u32,
     groups: u32,
-    bytes: u64,
 }
 
 struct Dispatch {
@@ -101,7 +109,6 @@ struct Dispatch {
 struct MipStep {
     bind_group: wgpu::BindGroup,
     size: u32,
-    layers: u32,
     basis: bool,
 }
 
@@ -115,16 +122,8 @@ impl Resources {
             });
         }
         let groups = settings.order.div_ceil(4);
-        let light_count = maps.light_count;
-        let layers = light_count.max(1) * groups;
-        if layers > gpu.max_layers() {
-            return Err(RenderError::OverLimit {
-                what: "layers of convolution shadow images (lights x order / 4)",
-                wanted: u64::from(layers),
-                limit: u64::from(gpu.max_layers()),
-                adapter: gpu.adapter().name.clone(),
-            });
-        }
+        let capacity = maps.capacity.max(1);
+        let layers = capacity * groups;
         let resolution = maps.resolution;
         let levels = resolution.ilog2() + 1;
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -135,7 +134,7 @@ impl Resources {
             .into_iter()
             .map(|label| image(label, layers, BASIS_FORMAT))
             .collect();
-        let depth_image = image("linear depth", light_count.max(1), DEPTH_FORMAT);
+        let depth_image = image("linear depth", capacity, DEPTH_FORMAT);
 
         let parameters = layout::ConvolutionParameters {
             order: settings.order,
@@ -232,8 +231,8 @@ impl Resources {
         let (rgba16_layout, r32_layout) = (mip_layout(1, BASIS_FORMAT), mip_layout(2, DEPTH_FORMAT));
         let mut mips = Vec::new();
         for level in 1..levels {
-            let images = basis_images.iter().map(|image| (image, layers, true));
-            for (image, layers, basis) in images.chain([(&depth_image, light_count, false)]) {
+            let images = basis_images.iter().map(|image| (image, true));
+            for (image, basis) in images.chain([(&depth_image, false)]) {
                 let (fine, coarse) = (level_view(image, level - 1), level_view(image, level));
                 let (layout, binding) = if basis { (&rgba16_layout, 1) } else { (&r32_layout, 2) };
                 let bind_group = gpu.bind_group(
@@ -245,11 +244,9 @@ impl Resources {
                         (3, wgpu::BindingResource::Sampler(&trilinear)),
                     ],
                 );
-                mips.push(MipStep { bind_group, size: resolution >> level, layers, basis });
+                mips.push(MipStep { bind_group, size: resolution >> level, basis });
             }
         }
-        // A full mip chain holds 4/3 of its top level.
-        let texels = u64::from(resolution).pow(2) * 4 / 3;
         Ok(Self {
             layout,
             bind_group,
@@ -260,9 +257,7 @@ impl Resources {
             mip_rgba16: gpu.compute_pipeline(&module, "downsample_rgba16", &[Some(&rgba16_layout)]),
             mip_r32: gpu.compute_pipeline(&module, "downsample_r32", &[Some(&r32_layout)]),
             resolution,
-            light_count,
             groups,
-            bytes: texels * (u64::from(layers) * 4 * 8 + u64::from(light_count) * 4),
         })
     }
 }
@@ -276,8 +271,8 @@ impl ShadowResources for Resources {
         &self.bind_group
     }
 
-    fn encode(&self, recorder: &mut Recorder<'_>) {
-        if self.light_count == 0 {
+    fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
+        if light_count == 0 {
             return;
         }
         let tiles = |size: u32| size.div_ceil(8);
@@ -285,19 +280,16 @@ impl ShadowResources for Resources {
         let full = tiles(self.resolution);
         pass.set_pipeline(&self.basis.pipeline);
         pass.set_bind_group(0, &self.basis.bind_group, &[]);
-        pass.dispatch_workgroups(full, full, self.light_count * self.groups);
+        pass.dispatch_workgroups(full, full, light_count * self.groups);
         pass.set_pipeline(&self.basis_depth.pipeline);
         pass.set_bind_group(0, &self.basis_depth.bind_group, &[]);
         pass.set_bind_group(1, &self.basis_depth_group, &[]);
-        pass.dispatch_workgroups(full, full, self.light_count);
+        pass.dispatch_workgroups(full, full, light_count);
         for step in &self.mips {
             pass.set_pipeline(if step.basis { &self.mip_rgba16 } else { &self.mip_r32 });
             pass.set_bind_group(0, &step.bind_group, &[]);
-            pass.dispatch_workgroups(tiles(step.size), tiles(step.size), step.layers);
+            let layers = if step.basis { light_count * self.groups } else { light_count };
+            pass.dispatch_workgroups(tiles(step.size), tiles(step.size), layers);
         }
-    }
-
-    fn bytes(&self) -> u64 {
-        self.bytes
     }
 }

@@ -50,7 +50,15 @@ pub(crate) trait ShadowTechnique: Sync {
     fn module(&self) -> &'static str;
     /// Whether the lights' depth maps are drawn for it.
     fn needs_depth_maps(&self) -> bool;
-    /// Images and bindings for one set of depth maps.
+    /// GPU memory of one light's images at a map resolution, depth map not counted [bytes].
+    fn bytes_per_light(&self, _: &ShadowSettings, _resolution: u32) -> u64 {
+        0
+    }
+    /// Layers that one light needs in the technique's largest texture array.
+    fn layers_per_light(&self, _: &ShadowSettings) -> u32 {
+        1
+    }
+    /// Images and bindings for the depth maps of a batch of lights; `visibility`'s `light` counts within the batch.
     fn resources(
         &self,
         gpu: &Gpu,
@@ -65,10 +73,8 @@ pub(crate) trait ShadowResources: Send {
     fn layout(&self) -> &wgpu::BindGroupLayout;
     /// Bind group 2.
     fn bind_group(&self) -> &wgpu::BindGroup;
-    /// Makes this frame's images from this frame's depth maps.
-    fn encode(&self, recorder: &mut Recorder<'_>);
-    /// GPU memory of the images in bytes.
-    fn bytes(&self) -> u64;
+    /// Makes images from the depth maps of the first `light_count` lights.
+    fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32);
 }
 
 /// Bindings of a technique that makes no images of its own.
@@ -120,11 +126,7 @@ impl ShadowResources for DepthMapsOnly {
         &self.bind_group
     }
 
-    fn encode(&self, _: &mut Recorder<'_>) {}
-
-    fn bytes(&self) -> u64 {
-        0
-    }
+    fn encode(&self, _: &mut Recorder<'_>, _light_count: u32) {}
 }
 
 /// Every technique.

@@ -63,6 +63,11 @@ impl ShadowTechnique for Moments {
         true
     }
 
+    fn bytes_per_light(&self, _: &ShadowSettings, resolution: u32) -> u64 {
+        // A full mip chain holds 4/3 of its top level; 16 bytes a texel.
+        16 * u64::from(resolution).pow(2) * 4 / 3
+    }
+
     fn resources(
         &self,
         gpu: &Gpu,
@@ -82,7 +87,6 @@ struct Resources {
     /// From the second level on.
     level_groups: Vec<wgpu::BindGroup>,
     resolution: u32,
-    light_count: u32,
 }
 
 impl Resources {
@@ -111,7 +115,7 @@ impl Resources {
             gpu.buffer_with("moments", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
         let image = gpu.texture(
             "moments",
-            [resolution, resolution, maps.light_count.max(1)],
+            [resolution, resolution, maps.capacity.max(1)],
             levels,
             FORMAT,
             wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
@@ -175,7 +179,6 @@ impl Resources {
             ),
             level_groups,
             resolution,
-            light_count: maps.light_count,
         })
     }
 }
@@ -189,25 +192,20 @@ impl ShadowResources for Resources {
         &self.bind_group
     }
 
-    fn encode(&self, recorder: &mut Recorder<'_>) {
-        if self.light_count == 0 {
+    fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
+        if light_count == 0 {
             return;
         }
         let tiles = |size: u32| size.div_ceil(8);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.moments);
         pass.set_bind_group(1, &self.moments_group, &[]);
-        pass.dispatch_workgroups(tiles(self.resolution), tiles(self.resolution), self.light_count);
+        pass.dispatch_workgroups(tiles(self.resolution), tiles(self.resolution), light_count);
         pass.set_pipeline(&self.downsample);
         for (level, group) in (1..).zip(&self.level_groups) {
             let size = tiles(self.resolution >> level);
             pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(size, size, self.light_count);
+            pass.dispatch_workgroups(size, size, light_count);
         }
-    }
-
-    fn bytes(&self) -> u64 {
-        // A full mip chain holds 4/3 of its top level; 16 bytes a texel.
-        16 * u64::from(self.resolution).pow(2) * 4 / 3 * u64::from(self.light_count)
     }
 }

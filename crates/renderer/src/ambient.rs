@@ -1,0 +1,101 @@
+//! What the ambient rest of a fit does about shadows, side by side on one interface: it may become lights of its own.
+
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_lights::{DistantLight, LightSet, fit};
+
+use crate::RenderError;
+
+/// A way to shadow the ambient rest.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Ambient {
+    /// Name for people and files.
+    pub name: &'static str,
+    /// One line for help texts.
+    pub summary: &'static str,
+    method: Method,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+enum Method {
+    Unshadowed,
+    Occlusion,
+    Cells,
+}
+
+/// Every way.
+pub const AMBIENTS: &[Ambient] = &[
+    Ambient {
+        name: "cells",
+        summary: "wide lights that tile the rest, each with its own shadow: occlusion with a direction",
+        method: Method::Cells,
+    },
+    Ambient {
+        name: "occlusion",
+        summary: "the rest times the cosine-weighted share of the sky that is open",
+        method: Method::Occlusion,
+    },
+    Ambient { name: "unshadowed", summary: "the rest as it is (Arbree 2005)", method: Method::Unshadowed },
+];
+
+/// The way called `name`.
+///
+/// # Errors
+/// [`RenderError::UnknownName`] lists the names there are.
+pub fn by_name(name: &str) -> Result<&'static Ambient, RenderError> {
+    AMBIENTS.iter().find(|ambient| ambient.name == name).ok_or_else(|| RenderError::UnknownName {
+        what: "ambient shadows",
+        name: name.to_owned(),
+        choices: AMBIENTS.iter().map(|ambient| ambient.name).collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// Share of the flux below which a residual is not worth maps of its own.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// A light set with the lights that its ambient rest asks for.
+pub(crate) struct AmbientLights {
+    /// Lights that light.
+    pub lights: Vec<DistantLight>,
+    /// Lights whose visibility alone is asked for; their radiance is 1 everywhere.
+    pub probes: Vec<DistantLight>,
+    /// What stays ambient.
+    pub residual: Equirect,
+}
+
+impl Ambient {
+    /// Turns the residual of `set` into at most `cells` lights or probes.
+    pub(crate) fn lights(&self, set: &LightSet, cells: usize) -> Result<AmbientLights, RenderError> {
+        let mut lights = set.lights.clone();
+        let mut probes = Vec::new();
+        let mut residual = set.residual.clone();
+        let luminance = |flux: glam::DVec3| flux.dot(glam::DVec3::new(0.2126, 0.7152, 0.0722));
+        let rest = luminance(residual.flux());
+        let negligible = rest <= NEGLIGIBLE * (rest + luminance(lights.iter().map(DistantLight::flux).sum()));
+        let tiled = |map: &Equirect| {
+            fit::cells(map, cells, None).map_err(|error| RenderError::OutOfRange {
+                what: "cells of the ambient rest",
+                range: format!("what can be tiled ({error})"),
+                value: cells.to_string(),
+            })
+        };
+        if !negligible {
+            match self.method {
+                Method::Unshadowed => {}
+                Method::Occlusion => {
+                    let white = RgbImage::filled(residual.width(), residual.height(), glam::Vec3::ONE);
+                    probes = tiled(&Equirect::new(white))?;
+                }
+                Method::Cells => {
+                    lights.extend(tiled(&residual)?);
+                    residual = Equirect::new(RgbImage::filled(
+                        residual.width(),
+                        residual.height(),
+                        glam::Vec3::ZERO,
+                    ));
+                }
+            }
+        }
+        Ok(AmbientLights { lights, probes, residual })
+    }
+}

@@ -1,0 +1,155 @@
+//! Lights in batches. Lights whose maps have one size share a set of textures, in turns where memory does not hold all of them,
+//! so that their number is bounded by the light list alone.
+
+use crate::RenderError;
+
+/// Texels along the side of the smallest map.
+const LEAST_RESOLUTION: u32 = 32;
+
+/// Footprint up to which a light has the largest map; one twice as wide has one of half the side. Its penumbrae are wider than
+/// the larger texels.
+const FOOTPRINT_AT_FULL_RESOLUTION: f32 = 0.15;
+
+/// How large the lights' shadow maps are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadowSizing {
+    /// The wider the light, the coarser its map: [`crate::RenderSettings::shadow_resolution`] is the largest.
+    #[default]
+    Footprint,
+    /// All alike.
+    Uniform,
+}
+
+impl ShadowSizing {
+    /// Texels along the side of the map of a light with [`gnomon_shaders::layout::Light::footprint`] `footprint`, where the largest map
+    /// has `largest`.
+    pub(crate) fn resolution(self, footprint: f32, largest: u32) -> u32 {
+        let halvings = match self {
+            Self::Uniform => 0.0,
+            Self::Footprint => (footprint / FOOTPRINT_AT_FULL_RESOLUTION).log2().round().clamp(0.0, 16.0),
+        };
+        (largest >> halvings as u32).max(LEAST_RESOLUTION.min(largest))
+    }
+}
+
+/// Lights whose maps have one size.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Class {
+    pub resolution: u32,
+    /// Lights whose maps are held at a time.
+    pub capacity: u32,
+    /// Indices of the lights, batch by batch: each at most `capacity`.
+    pub batches: Vec<Vec<usize>>,
+}
+
+/// What the maps of one light cost, and what there is.
+pub(crate) struct Budget<'a> {
+    /// Bytes of one light's maps at a resolution.
+    pub bytes_per_light: &'a dyn Fn(u32) -> u64,
+    /// Bytes for all maps held at a time.
+    pub bytes: u64,
+    /// Most lights in one set of textures.
+    pub lights_per_class: u32,
+    /// For messages.
+    pub adapter: &'a str,
+}
+
+/// Divides lights with maps of `resolutions` into batches within `budget`. Batches of a class are of even length.
+///
+/// # Errors
+/// [`RenderError::OverLimit`] if one light of every class is more than the budget.
+pub(crate) fn plan(resolutions: &[u32], budget: &Budget<'_>) -> Result<Vec<Class>, RenderError> {
+    let mut sizes = resolutions.to_vec();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let members =
+        |size: u32| resolutions.iter().enumerate().filter(move |(_, r)| **r == size).map(|(i, _)| i);
+    let bytes = |size: u32| (budget.bytes_per_light)(size);
+    let over = |what, wanted, limit| RenderError::OverLimit {
+        what,
+        wanted,
+        limit,
+        adapter: budget.adapter.to_owned(),
+    };
+    let least: u64 = sizes.iter().map(|&size| bytes(size)).sum();
+    if least > budget.bytes {
+        return Err(over("bytes of shadow maps for one light of each size", least, budget.bytes));
+    }
+    if budget.lights_per_class == 0 {
+        return Err(over("layers of one light's shadow maps", 1, 0));
+    }
+    // Beyond one light a class, classes share what is left in proportion to what they want.
+    let wanted: u64 = sizes.iter().map(|&size| bytes(size) * (members(size).count() as u64 - 1)).sum();
+    let share = if wanted == 0 { 1.0 } else { ((budget.bytes - least) as f64 / wanted as f64).min(1.0) };
+    Ok(sizes
+        .into_iter()
+        .map(|resolution| {
+            let lights: Vec<usize> = members(resolution).collect();
+            let held = 1 + ((lights.len() - 1) as f64 * share + 1e-9) as usize;
+            let held = held.min(budget.lights_per_class as usize);
+            let turns = lights.len().div_ceil(held);
+            let capacity = lights.len().div_ceil(turns);
+            let batches = lights.chunks(capacity).map(<[usize]>::to_vec).collect();
+            Class { resolution, capacity: capacity as u32, batches }
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn planned(resolutions: &[u32], bytes: u64, lights_per_class: u32) -> Result<Vec<Class>, RenderError> {
+        let bytes_per_light = |size: u32| u64::from(size);
+        plan(
+            resolutions,
+            &Budget { bytes_per_light: &bytes_per_light, bytes, lights_per_class, adapter: "test" },
+        )
+    }
+
+    #[test]
+    fn every_light_is_in_one_batch_and_the_budget_holds() {
+        let resolutions: Vec<u32> = (0..100).map(|i| [64, 128, 256][i % 3]).collect();
+        for (bytes, layers) in [(448, 9), (2000, 1000), (20_000, 4), (u64::MAX / 4, 2048)] {
+            let classes = planned(&resolutions, bytes, layers).unwrap();
+            let mut seen: Vec<usize> = classes.iter().flat_map(|c| c.batches.concat()).collect();
+            seen.sort_unstable();
+            assert_eq!(seen, (0..100).collect::<Vec<_>>());
+            let held: u64 = classes.iter().map(|c| u64::from(c.capacity * c.resolution)).sum();
+            assert!(held <= bytes, "{held} > {bytes}");
+            for class in &classes {
+                assert!(class.capacity <= layers);
+                for batch in &class.batches {
+                    assert!(!batch.is_empty() && batch.len() <= class.capacity as usize);
+                    assert!(batch.iter().all(|&light| resolutions[light] == class.resolution));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_fits_is_held_at_once() {
+        let classes = planned(&[64; 60], 64 * 60, 256).unwrap();
+        assert_eq!((classes.len(), classes[0].batches.len(), classes[0].capacity), (1, 1, 60));
+    }
+
+    #[test]
+    fn a_budget_below_one_light_is_an_error_that_says_both() {
+        let error = planned(&[64, 128], 191, 16).unwrap_err().to_string();
+        assert!(error.contains("192") && error.contains("191"), "{error}");
+    }
+
+    #[test]
+    fn no_lights_need_no_maps() {
+        assert!(planned(&[], 0, 16).unwrap().is_empty());
+    }
+
+    #[test]
+    fn wider_lights_have_smaller_maps() {
+        let sides: Vec<u32> =
+            [0.0, 0.1, 0.3, 0.6, 1.2, 100.0].map(|f| ShadowSizing::Footprint.resolution(f, 256)).into();
+        assert_eq!(sides, [256, 256, 128, 64, 32, 32]);
+        assert_eq!(ShadowSizing::Footprint.resolution(100.0, 16), 16);
+        assert_eq!(ShadowSizing::Uniform.resolution(100.0, 256), 256);
+    }
+}

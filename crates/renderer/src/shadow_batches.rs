@@ -1,0 +1,226 @@
+use gnomon_lights::DistantLight;
+use gnomon_scene::PlacedLight;
+use gnomon_shaders::layout;
+
+use crate::batch_plan::{Budget, plan};
+use crate::bounds::InstanceBox;
+use crate::depth_maps::{DepthMaps, ShadowMapPass};
+use crate::geometry::Geometry;
+use crate::light_frame::{footprint, light_uniform};
+use crate::lighting::Lighting;
+use crate::near_light_frame::near_light_uniform;
+use crate::recorder::Recorder;
+use crate::shade::{ShadeLayouts, ShadePass};
+use crate::shadow::{ShadowResources, ShadowTechnique};
+use crate::{Gpu, RenderError, RenderSettings};
+
+/// All lights of a frame in batches, and the shadow maps that the batches use in turn.
+pub(crate) struct ShadowBatches {
+    classes: Vec<ClassMaps>,
+    batches: Vec<Batch>,
+    bytes: u64,
+}
+
+/// Maps of one size, for as many lights as a batch has.
+struct ClassMaps {
+    depth_maps: DepthMaps,
+    shadows: Box<dyn ShadowResources>,
+}
+
+/// Lights whose maps are held together.
+pub(crate) struct Batch {
+    class: usize,
+    /// Lights by their place in the frame's list.
+    members: Vec<usize>,
+    /// Whether each member's map is perspective.
+    perspective: Vec<bool>,
+    /// [`layout::Light`] of each member.
+    pub lights: wgpu::Buffer,
+    /// A [`layout::Batch`].
+    pub parameters: wgpu::Buffer,
+    lights_group: wgpu::BindGroup,
+}
+
+/// A light of the frame: the environment's, its probes, the scene's own.
+#[derive(Clone, Copy)]
+enum Member<'a> {
+    Distant { light: &'a DistantLight, role: u32 },
+    Near(&'a PlacedLight),
+}
+
+fn members<'a>(lighting: &'a Lighting, near: &'a [PlacedLight]) -> impl Iterator<Item = Member<'a>> {
+    let with = |role| move |light| Member::Distant { light, role };
+    let lights = lighting.lights.iter().map(with(layout::ROLE_LIGHT));
+    let probes = lighting.probes.iter().map(with(layout::ROLE_PROBE));
+    lights.chain(probes).chain(near.iter().map(Member::Near))
+}
+
+impl ShadowBatches {
+    /// Maps and buffers for the lights of `lighting`.
+    pub fn new(
+        gpu: &Gpu,
+        pass: &ShadowMapPass,
+        technique: &dyn ShadowTechnique,
+        settings: &RenderSettings,
+        lighting: &Lighting,
+        near_lights: &[PlacedLight],
+    ) -> Result<Self, RenderError> {
+        let with_maps = technique.needs_depth_maps();
+        let all: Vec<Member<'_>> = members(lighting, near_lights).collect();
+        let resolution = |member: &Member<'_>| match member {
+            _ if !with_maps => 1,
+            Member::Distant { light, .. } => {
+                settings.shadow_sizing.resolution(footprint(light), settings.shadow_resolution)
+            }
+            Member::Near(_) => settings.shadow_resolution,
+        };
+        let resolutions: Vec<u32> = all.iter().map(resolution).collect();
+        let bytes_per_light = |resolution| match with_maps {
+            true => {
+                DepthMaps::bytes_per_light(resolution)
+                    + technique.bytes_per_light(&settings.shadow_settings, resolution)
+            }
+            false => 0,
+        };
+        let lights_per_class = match with_maps {
+            true => gpu.max_layers() / technique.layers_per_light(&settings.shadow_settings).max(1),
+            false => u32::MAX,
+        };
+        let mut planned = plan(
+            &resolutions,
+            &Budget {
+                bytes_per_light: &bytes_per_light,
+                bytes: settings.shadow_memory_bytes,
+                lights_per_class,
+                adapter: &gpu.adapter().name,
+            },
+        )?;
+        if planned.is_empty() {
+            // Without lights there is still one pass, for the ambient light.
+            planned.push(crate::batch_plan::Class { resolution: 1, capacity: 0, batches: vec![Vec::new()] });
+        }
+
+        let bytes = planned.iter().map(|c| u64::from(c.capacity) * bytes_per_light(c.resolution)).sum();
+        let count: usize = planned.iter().map(|class| class.batches.len()).sum();
+        let mut classes = Vec::with_capacity(planned.len());
+        let mut batches: Vec<Batch> = Vec::with_capacity(count);
+        for (index, class) in planned.into_iter().enumerate() {
+            let maps = if with_maps { class.capacity } else { 0 };
+            let depth_maps = DepthMaps::new(gpu, maps, class.resolution);
+            let shadows = technique.resources(gpu, &settings.shadow_settings, &depth_maps)?;
+            classes.push(ClassMaps { depth_maps, shadows });
+            for members in class.batches {
+                let place = batches.len();
+                let perspective =
+                    members.iter().map(|&i| with_maps && matches!(all[i], Member::Near(_))).collect();
+                let (first, last) = (place == 0, place + 1 == count);
+                batches.push(Batch::new(gpu, pass, index, members, perspective, [first, last]));
+            }
+        }
+        Ok(Self { classes, batches, bytes })
+    }
+
+    /// GPU memory of all maps and images in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Number of batches.
+    pub fn len(&self) -> usize {
+        self.batches.len()
+    }
+
+    /// Layout of the technique's bind group, the same for every class.
+    pub fn shadow_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.classes.first().map(|class| class.shadows.layout())
+    }
+
+    /// Bind group 0 of every batch.
+    pub fn frame_groups(
+        &self,
+        gpu: &Gpu,
+        layouts: &ShadeLayouts,
+        view: &wgpu::Buffer,
+        lighting: &Lighting,
+    ) -> Vec<wgpu::BindGroup> {
+        self.batches.iter().map(|batch| layouts.frame_group(gpu, view, batch, lighting)).collect()
+    }
+
+    /// Fits every light's map around the scene as it stands in this frame.
+    pub fn write_lights(
+        &self,
+        gpu: &Gpu,
+        lighting: &Lighting,
+        near_lights: &[PlacedLight],
+        boxes: &[InstanceBox],
+        normal_offset_texels: f32,
+    ) {
+        let all: Vec<Member<'_>> = members(lighting, near_lights).collect();
+        for batch in &self.batches {
+            let resolution = self.classes[batch.class].depth_maps.resolution;
+            let lights: Vec<layout::Light> = (batch.members.iter())
+                .map(|&place| match all[place] {
+                    Member::Distant { light, role } => {
+                        let uniform = light_uniform(light, boxes, resolution, normal_offset_texels);
+                        layout::Light { role, ..uniform }
+                    }
+                    Member::Near(light) => near_light_uniform(light, boxes, resolution, normal_offset_texels),
+                })
+                .collect();
+            gpu.queue.write_buffer(&batch.lights, 0, bytemuck::cast_slice(&lights));
+        }
+    }
+
+    /// Draws, filters and shades batch after batch; `groups` are bind groups 1 and 3 of the shading pass.
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        passes: (&ShadowMapPass, &ShadePass),
+        geometry: &Geometry,
+        frame_groups: &[wgpu::BindGroup],
+        [gbuffer_group, output_group]: [&wgpu::BindGroup; 2],
+        sample_size: [u32; 2],
+    ) -> Result<(), RenderError> {
+        let (shadow_map, shade) = passes;
+        for (batch, frame_group) in self.batches.iter().zip(frame_groups) {
+            let class = &self.classes[batch.class];
+            let (maps, group) = (&class.depth_maps, &batch.lights_group);
+            shadow_map.encode(recorder, geometry, maps, group, &batch.perspective);
+            recorder.end_pass("shadow maps")?;
+            class.shadows.encode(recorder, maps.capacity.min(batch.members.len() as u32));
+            recorder.end_pass("shadow filter")?;
+            let groups = [frame_group, gbuffer_group, class.shadows.bind_group(), output_group];
+            shade.encode(recorder, groups, sample_size);
+            recorder.end_pass("shade")?;
+        }
+        Ok(())
+    }
+}
+
+impl Batch {
+    fn new(
+        gpu: &Gpu,
+        pass: &ShadowMapPass,
+        class: usize,
+        members: Vec<usize>,
+        perspective: Vec<bool>,
+        [first, last]: [bool; 2],
+    ) -> Self {
+        let lights = gpu.empty_buffer(
+            "lights",
+            (size_of::<layout::Light>() * members.len().max(1)) as u64,
+            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        );
+        let flag = |on, flag| if on { flag } else { 0 };
+        let parameters = layout::Batch {
+            light_count: members.len() as u32,
+            flags: flag(first, layout::FLAG_FIRST) | flag(last, layout::FLAG_LAST),
+            padding_0: 0,
+            padding_1: 0,
+        };
+        let parameters =
+            gpu.buffer_with("batch", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
+        let lights_group = pass.lights_group(gpu, &lights);
+        Self { class, members, perspective, lights, parameters, lights_group }
+    }
+}
