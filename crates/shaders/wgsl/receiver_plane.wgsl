@@ -13,7 +13,7 @@ fn less_offset(light: u32, position_world: vec3f, normal_world: vec3f, scale: f3
 const MIN_TILT_COSINE: f32 = 0.05;
 
 // Change of linear depth per unit of map uv along the receiver's tangent plane. `receiver` is its place in the map.
-fn receiver_depth_gradient(light: u32, position_world: vec3f, normal_world: vec3f, receiver: vec3f) -> vec2f {
+fn receiver_depth_gradient(light: u32, position_world: vec3f, normal_world: vec3f, receiver: vec4f) -> vec2f {
     // Two axes that make a right-handed frame with the normal (Duff et al. 2017).
     let n = normal_world;
     let s = select(-1.0, 1.0, n.z >= 0.0);
@@ -22,9 +22,9 @@ fn receiver_depth_gradient(light: u32, position_world: vec3f, normal_world: vec3
     let step = 1e-3 * lights[light].map_width_world;
     let p = receiver_in_light(light, position_world + step * vec3f(1.0 + s * n.x * n.x * a, s * b, -s * n.x), n) - receiver;
     let q = receiver_in_light(light, position_world + step * vec3f(b, s + n.y * n.y * a, -n.y), n) - receiver;
-    // Solves gradient . p.xy = p.z, gradient . q.xy = q.z. The determinant is negative where the light sees the plane's front.
+    // Solves gradient . p.xy = p.w, gradient . q.xy = q.w. The determinant is negative where the light sees the plane's front.
     let determinant = min(p.x * q.y - p.y * q.x, -MIN_TILT_COSINE * (dot(p.xy, p.xy) + dot(q.xy, q.xy)));
-    return vec2f(p.z * q.y - q.z * p.y, q.z * p.x - p.z * q.x) / determinant;
+    return vec2f(p.w * q.y - q.w * p.y, q.w * p.x - p.w * q.x) / determinant;
 }
 
 // Depth that a blocker `offset` uv beside a receiver of depth `d` must stay above: the tangent plane's, where it rises towards

@@ -58,7 +58,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     // all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
     // less would mix the receiver's depth into the blockers'.
     let d_average = depth - parameters.average_bias;
-    let first_level = min(level_from_width(texels * footprint_scale_uv(light, receiver.z, 0.0)), parameters.max_level);
+    let first_level = min(level_from_width(texels * footprint_scale_uv(light, receiver.w, 0.0)), parameters.max_level);
     let first_lit = filtered_lit(light, receiver.xy, d_average, first_level);
     if first_lit >= FULLY_LIT {
         return 1.0;
@@ -68,7 +68,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     }
     let z_avg = average_blocker_depth(light, receiver.xy, d_average, first_level, first_lit);
     let blocker_distance = depth - z_avg;
-    let level = min(level_from_width(texels * footprint_scale_uv(light, receiver.z, z_avg / SERIES_DEPTH_SCALE)), parameters.max_level);
+    let level = min(level_from_width(texels * footprint_scale_uv(light, receiver.w, z_avg / SERIES_DEPTH_SCALE)), parameters.max_level);
     let lit = filtered_lit(light, receiver.xy, depth - parameters.depth_bias, level);
     let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);
     return sharpen(clean, blocker_distance, parameters.sharpening_a, parameters.sharpening_b);

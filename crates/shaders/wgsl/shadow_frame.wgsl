@@ -6,18 +6,19 @@ fn normal_offset(light: u32, position_world: vec3f) -> f32 {
     return lights[light].normal_offset_world * select(max(distance, 0.0), 1.0, lights[light].kind == KIND_DISTANT);
 }
 
-// Receiver in a light's shadow map: uv in [0, 1], z the linear depth. What lies behind a perspective map's plane lies outside of it.
-fn receiver_in_light(light: u32, position_world: vec3f, normal_world: vec3f) -> vec3f {
+// Receiver in a light's shadow map: uv in [0, 1]; z the linear depth within the map, to be compared with what it stores; w the
+// same beyond it, for distances to blockers. What lies behind a perspective map's plane lies outside of it.
+fn receiver_in_light(light: u32, position_world: vec3f, normal_world: vec3f) -> vec4f {
     let moved = position_world + normal_world * normal_offset(light, position_world);
     let p = lights[light].light_from_world * vec4f(moved, 1.0);
     if lights[light].kind == KIND_DISTANT {
-        return vec3f(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, saturate(p.z));
+        return vec4f(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, saturate(p.z), p.z);
     }
     if p.w <= 0.0 {
-        return vec3f(-1.0);
+        return vec4f(-1.0);
     }
     let z = (p.w - lights[light].near_world) / lights[light].depth_range_world;
-    return vec3f(0.5 + 0.5 * p.x / p.w, 0.5 - 0.5 * p.y / p.w, saturate(z));
+    return vec3f(0.5 + 0.5 * p.x / p.w, 0.5 - 0.5 * p.y / p.w, saturate(z), z);
 }
 
 // Linear depth of what a depth map stores: perspective maps are drawn with linear depth, too.

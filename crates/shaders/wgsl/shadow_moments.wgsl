@@ -32,12 +32,12 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     let footprint = parameters.footprint_scale * lights[light].footprint;
     let d = receiver.z - parameters.depth_bias;
 
-    let search_width = footprint * footprint_scale_uv(light, receiver.z, 0.0);
+    let search_width = footprint * footprint_scale_uv(light, receiver.w, 0.0);
     let search = filtered_blockers(light, receiver.xy, d - slope * search_width, search_width);
     if search.x < FULLY_LIT {
         return 1.0;
     }
-    let width = footprint * footprint_scale_uv(light, receiver.z, min(search.y, receiver.z));
+    let width = footprint * footprint_scale_uv(light, receiver.w, min(search.y, receiver.z));
     let shadow = filtered_blockers(light, receiver.xy, d - slope * width, width).x;
     return 1.0 - min(parameters.intensity_scale * shadow, 1.0);
 }

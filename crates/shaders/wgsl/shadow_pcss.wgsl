@@ -9,8 +9,8 @@
 @group(2) @binding(2) var lit_if_nearer: sampler_comparison;
 
 // Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
-fn blocker_search(light: u32, outline: Outline, receiver: vec3f, gradient: vec2f) -> vec2f {
-    let scale = footprint_scale_uv(light, receiver.z, 0.0);
+fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {
+    let scale = footprint_scale_uv(light, receiver.w, 0.0);
     let size = vec2i(textureDimensions(depth_maps));
     var sum = 0.0;
     var count = 0.0;
@@ -45,7 +45,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     if blockers.y == 0.0 {
         return 1.0;
     }
-    let scale = footprint_scale_uv(light, receiver.z, blockers.x);
+    let scale = footprint_scale_uv(light, receiver.w, blockers.x);
     var lit = 0.0;
     for (var i = 0u; i < parameters.filter_samples; i++) {
         let offset = scale * outline_point(outline, i, parameters.filter_samples);
