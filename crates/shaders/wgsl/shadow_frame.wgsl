@@ -18,7 +18,7 @@ fn receiver_in_light(light: u32, position_world: vec3f, normal_world: vec3f) -> 
         return vec4f(-1.0);
     }
     let z = (p.w - lights[light].near_world) / lights[light].depth_range_world;
-    return vec3f(0.5 + 0.5 * p.x / p.w, 0.5 - 0.5 * p.y / p.w, saturate(z), z);
+    return vec4f(0.5 + 0.5 * p.x / p.w, 0.5 - 0.5 * p.y / p.w, saturate(z), z);
 }
 
 // Linear depth of what a depth map stores: perspective maps are drawn with linear depth, too.
