@@ -48,17 +48,27 @@ fn polygon_form_factor(n: Vec3, corners: &[Vec3]) -> f32 {
             count += 1;
         }
     }
-    let mut sum = 0.0;
-    for i in 0..count {
-        let (a, b) = (above[i], above[(i + 1) % count]);
+    n.dot(polygon_vector_irradiance(&above[..count])).max(0.0)
+}
+
+/// Vector irradiance (Arvo 1994) of the quadrilateral `corners` at radiance 1: its product with a normal that has all of them above its
+/// horizon is [`rectangle_form_factor`] [sr].
+pub fn rectangle_vector_irradiance(corners: [Vec3; 4]) -> Vec3 {
+    polygon_vector_irradiance(&corners)
+}
+
+fn polygon_vector_irradiance(corners: &[Vec3]) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
         // (b - a) x a equals b x a, and keeps its digits for the short edges of small lights.
         let cross = (b - a).cross(a);
         let length = cross.length();
         if length > 0.0 {
-            sum += length.atan2(a.dot(b)) / length * n.dot(cross);
+            sum += length.atan2(a.dot(b)) / length * cross;
         }
     }
-    (0.5 * sum).max(0.0)
+    0.5 * sum
 }
 
 /// Projected solid angle [sr] of the cone of half angle `angular_radius` (in (0, pi/2)) around the unit `direction`,

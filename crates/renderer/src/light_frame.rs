@@ -1,4 +1,5 @@
 use glam::{Mat4, Vec2, Vec3, Vec4};
+use gnomon_lights::form_factor::rectangle_vector_irradiance;
 use gnomon_lights::{DistantLight, LightShape};
 use gnomon_shaders::layout;
 
@@ -129,6 +130,10 @@ pub(crate) fn light_uniform(
     )
     .transpose();
 
+    let vector_irradiance = match light.shape {
+        LightShape::Disk { .. } => Vec3::ZERO,
+        LightShape::Rectangle { corners } => rectangle_vector_irradiance(corners),
+    };
     let (shape, angular_radius, corners) = match light.shape {
         LightShape::Disk { angular_radius } => (layout::SHAPE_DISK, angular_radius, [[0.0; 4]; 4]),
         LightShape::Rectangle { corners } => {
@@ -154,7 +159,9 @@ pub(crate) fn light_uniform(
         kind: layout::KIND_DISTANT,
         half_extent: [0.0; 2],
         role: layout::ROLE_LIGHT,
-        padding: 0.0,
+        padding_0: 0.0,
+        vector_irradiance: vector_irradiance.to_array(),
+        padding_1: 0.0,
     }
 }
 

@@ -79,7 +79,9 @@ pub(crate) fn near_light_uniform(
         kind,
         half_extent: half_extent.to_array(),
         role: layout::ROLE_LIGHT,
-        padding: 0.0,
+        padding_0: 0.0,
+        vector_irradiance: [0.0; 3],
+        padding_1: 0.0,
     }
 }
 

@@ -20,7 +20,7 @@ impl ShadeLayouts {
         let compute = wgpu::ShaderStages::COMPUTE;
         let frame = [
             (0, Binding::Uniform),
-            (1, Binding::Storage { read_only: true }),
+            (1, Binding::Uniform),
             (2, Binding::LOADED),
             (3, Binding::LOADED),
             (4, Binding::LOADED),

@@ -86,6 +86,7 @@ impl ShadowBatches {
             true => gpu.max_layers() / technique.layers_per_light(&settings.shadow_settings).max(1),
             false => u32::MAX,
         };
+        let lights_per_class = lights_per_class.min(layout::MAX_BATCH_LIGHTS);
         let mut planned = plan(
             &resolutions,
             &Budget {
@@ -208,8 +209,8 @@ impl Batch {
     ) -> Self {
         let lights = gpu.empty_buffer(
             "lights",
-            (size_of::<layout::Light>() * members.len().max(1)) as u64,
-            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            size_of::<layout::Light>() as u64 * u64::from(layout::MAX_BATCH_LIGHTS),
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
         let flag = |on, flag| if on { flag } else { 0 };
         let parameters = layout::Batch {

@@ -21,6 +21,8 @@ pub const KIND_SPHERE: u32 = 2;
 pub const ROLE_LIGHT: u32 = 0;
 /// [`Light::role`] of a light of which only the visibility is asked for.
 pub const ROLE_PROBE: u32 = 1;
+/// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
+pub const MAX_BATCH_LIGHTS: u32 = 160;
 /// [`Batch::flags`]: nothing has been summed before.
 pub const FLAG_FIRST: u32 = 1;
 /// [`Batch::flags`]: nothing is to be summed after.
@@ -61,7 +63,9 @@ pub struct Light {
     pub kind: u32,
     pub half_extent: [f32; 2],
     pub role: u32,
-    pub padding: f32,
+    pub padding_0: f32,
+    pub vector_irradiance: [f32; 3],
+    pub padding_1: f32,
 }
 
 #[repr(C)]

@@ -67,7 +67,9 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             kind,
             half_extent,
             role,
-            padding,
+            padding_0,
+            vector_irradiance,
+            padding_1,
         }),
         fields!(Batch { light_count, flags, padding_0, padding_1 }),
         fields!(LightSums {

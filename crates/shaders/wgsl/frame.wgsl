@@ -3,7 +3,8 @@
 // Group 0 of every pass over the screen.
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> lights: array<Light>;
+// Uniform, because every sample of the picture reads the same light at a time.
+@group(0) @binding(1) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
 // The whole environment as the camera sees it.
 @group(0) @binding(2) var background: texture_2d<f32>;
 // Irradiance of the whole environment over the sphere of normals.

@@ -10,7 +10,16 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
         if lights[light].shape == SHAPE_DISK {
             return disk_form_factor(n, lights[light].direction, lights[light].angular_radius);
         }
-        return rectangle_form_factor(n, lights[light].corners);
+        // Most lights lie wholly above the horizon or below it; only the others need clipping.
+        let corners = lights[light].corners;
+        let heights = vec4f(dot(corners[0].xyz, n), dot(corners[1].xyz, n), dot(corners[2].xyz, n), dot(corners[3].xyz, n));
+        if all(heights >= vec4f(0.0)) {
+            return dot(lights[light].vector_irradiance, n);
+        }
+        if all(heights <= vec4f(0.0)) {
+            return 0.0;
+        }
+        return rectangle_form_factor(n, corners);
     }
     let to_light = lights[light].position - position_world;
     let half_extent = lights[light].half_extent;

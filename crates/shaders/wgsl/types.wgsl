@@ -64,8 +64,14 @@ struct Light {
     // Half width and height of a light in the scene, a sphere's radius in both [m].
     half_extent: vec2f,
     role: u32,
-    padding: f32,
+    padding_0: f32,
+    // Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
+    vector_irradiance: vec3f,
+    padding_1: f32,
 }
+
+// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
+const MAX_BATCH_LIGHTS: u32 = 160u;
 
 // A batch of lights whose maps are held together.
 struct Batch {
