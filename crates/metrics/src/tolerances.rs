@@ -97,3 +97,22 @@ pub const BAD_INPUT_SECONDS: u64 = 10;
 
 /// Damaged input: memory limit [bytes].
 pub const BAD_INPUT_BYTES: u64 = 2 << 30;
+
+/// Mean over a box from a summed-area table against the sum over its texels, map of 64 x 64 values in [-1, 1]: sums of up to
+/// 8192 round by 5e-4, and four of them are divided by one texel's area at least.
+pub const SUMMED_AREA_MEAN: f64 = 2e-3;
+
+/// Lookup in a mip chain of half floats against the mean over the box of the same variance, values in [-1, 1] that vary slowly:
+/// half floats round by 5e-4, and fourth moments of the kernels differ.
+pub const MIP_MEAN: f64 = 0.02;
+
+/// Average blocker depth from a series of 16 terms against the mean over the same texels, as a share of the depth range, where half
+/// of the kernel blocks and nothing comes nearer than 0.25 to the receiver: M terms ring by up to 1 / (2 pi M sin(pi x)) at the distance
+/// x from their step, and depths up to 1 weighted with that are divided by one half.
+pub const BLOCKER_DEPTH_16: f64 = 0.03;
+
+/// The same from 4 terms, whose ringing is four times as high but changes sign among the texels.
+pub const BLOCKER_DEPTH_4: f64 = 0.08;
+
+/// Light that may reach a receiver through a closed wall of one shadow texel's thickness: visibility.
+pub const LIGHT_LEAK: f32 = 0.02;

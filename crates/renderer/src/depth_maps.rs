@@ -13,7 +13,7 @@ pub(crate) struct DepthMaps {
     pub resolution: u32,
     /// Number of lights there is room for.
     pub capacity: u32,
-    layers: Vec<wgpu::TextureView>,
+    pub layers: Vec<wgpu::TextureView>,
 }
 
 impl DepthMaps {

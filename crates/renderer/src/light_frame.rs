@@ -157,7 +157,7 @@ pub(crate) fn light_uniform(
         near_world: 0.0,
         position: [0.0; 3],
         kind: layout::KIND_DISTANT,
-        half_extent: [0.0; 2],
+        half_extent: light.tan_half_extent().to_array(),
         role: layout::ROLE_LIGHT,
         padding_0: 0.0,
         vector_irradiance: vector_irradiance.to_array(),

@@ -258,7 +258,7 @@ impl<'gpu> Renderer<'gpu> {
         let shade = ShadePass::new(
             gpu,
             &passes.shade_layouts,
-            technique.module(),
+            technique.module(&self.settings.shadow_settings),
             batches.shadow_layout(),
             self.compositing,
         )?;

@@ -185,7 +185,9 @@ pub struct ConvolutionParameters {
     pub depth_bias: f32,
     pub average_bias: f32,
     pub footprint_scale: f32,
-    pub padding: f32,
+    pub plane_iterations: u32,
+    pub far_sin: [[f32; 4]; 4],
+    pub far_cos: [[f32; 4]; 4],
 }
 
 #[repr(C)]

@@ -134,7 +134,9 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             depth_bias,
             average_bias,
             footprint_scale,
-            padding,
+            plane_iterations,
+            far_sin,
+            far_cos,
         }),
         fields!(ResolveParameters { samples, exposure, tone_mapping, padding }),
     ]

@@ -61,7 +61,7 @@ struct Light {
     // Centre of a light in the scene [m].
     position: vec3f,
     kind: u32,
-    // Half width and height of a light in the scene, a sphere's radius in both [m].
+    // Half width and height, a disk's and a sphere's radius in both: of a light in the scene [m], of a distant one at a distance of 1.
     half_extent: vec2f,
     role: u32,
     padding_0: f32,
@@ -211,7 +211,11 @@ struct ConvolutionParameters {
     average_bias: f32,
     // Widens kernels by what ringing suppression narrows penumbrae.
     footprint_scale: f32,
-    padding: f32,
+    // Times the shadow map's plane is put at the average blocker depth.
+    plane_iterations: u32,
+    // Basis at the far plane, group by group: of texels that nothing blocks.
+    far_sin: array<vec4f, 4>,
+    far_cos: array<vec4f, 4>,
 }
 
 struct ResolveParameters {

@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use gnomon_image::RgbImage;
 use gnomon_metrics::{Comparison, compare};
 use gnomon_renderer::RenderSettings;
-use gnomon_renderer::shadow::{self, ShadowSettings};
+use gnomon_renderer::shadow::{self, Prefilter, ShadowSettings};
 
 use crate::{BenchError, Lab, Setup, TimedRenderer};
 
@@ -31,9 +31,17 @@ impl Variant {
         variant
     }
 
+    /// Convolution soft shadows with summed-area tables and M = `order`.
+    pub fn sat(order: u32) -> Self {
+        let mut variant = Self::mip(order);
+        variant.name = format!("convolution SAT M={order}").into();
+        variant.settings.convolution.prefilter = Prefilter::SummedAreaTable;
+        variant
+    }
+
     /// Convolution soft shadows of M = `order` with every way of filtering.
     pub fn prefilters(order: u32) -> Vec<Self> {
-        vec![Self::mip(order)]
+        vec![Self::mip(order), Self::sat(order)]
     }
 
     /// Every technique there is, convolution at both of the paper's orders.

@@ -1,11 +1,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use gnomon::envmap::Equirect;
 use gnomon::image::RgbImage;
 use gnomon::lights::{LightSet, fit};
-use gnomon::renderer::{Gpu, GpuOptions, PassTiming, RenderSettings, Renderer};
+use gnomon::renderer::shadow::{Prefilter, ShadowSettings};
+use gnomon::renderer::{Gpu, GpuOptions, PassTiming, RenderSettings, Renderer, ShadowSizing};
 use gnomon::scene::Camera;
 use serde_json::{Value, json};
 
@@ -62,6 +63,32 @@ pub struct GpuArgs {
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub shadow_resolution: u32,
 
+    /// Terms of the series that convolution shadows are made of, 1 to 16: more tell blockers apart that are closer to the receiver,
+    /// and cost time and memory for every four
+    #[arg(long, value_name = "M", default_value_t = 4)]
+    pub order: u32,
+
+    /// How convolution shadows are filtered: mip chains (half floats), or summed-area tables (32-bit floats; a rectangle's kernel has
+    /// its own width and height)
+    #[arg(long, value_enum, default_value_t = PrefilterName::Mip)]
+    pub prefilter: PrefilterName,
+
+    /// How large the lights' shadow maps are: by the light's footprint, wide lights having coarser maps, or all alike
+    #[arg(long, value_enum, default_value_t = SizingName::Footprint)]
+    pub shadow_sizing: SizingName,
+
+    /// Memory for shadow maps and their images in MiB; lights that do not fit take turns
+    #[arg(long, value_name = "MIB", default_value_t = 1024)]
+    pub shadow_memory: u32,
+
+    /// What the ambient rest of a fit does about shadows: cells (lights of its own), occlusion or unshadowed
+    #[arg(long, value_name = "NAME", default_value = "cells")]
+    pub ambient: String,
+
+    /// Most lights or probes that the ambient rest may become, 6 to 4096
+    #[arg(long, value_name = "N", default_value_t = 32)]
+    pub ambient_cells: usize,
+
     /// Samples along each side of a pixel, 1 to 8
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub supersample: u32,
@@ -69,6 +96,24 @@ pub struct GpuArgs {
     /// Part of the name of the adapter to use (see gnomon info) [default: the fastest]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+}
+
+/// Names of [`Prefilter`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PrefilterName {
+    /// Mip chains
+    Mip,
+    /// Summed-area tables
+    Sat,
+}
+
+/// Names of [`ShadowSizing`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SizingName {
+    /// The wider the light, the coarser its map
+    Footprint,
+    /// All alike
+    Uniform,
 }
 
 /// The fit that leaves no light unshadowed, so that the picture's error stays small under every environment measured.
@@ -118,6 +163,7 @@ pub struct Drawn {
     pub radiance: RgbImage,
     adapter: Value,
     shadow_bytes: u64,
+    shadow_batches: usize,
     frame_milliseconds: f64,
     passes: Vec<PassTiming>,
 }
@@ -128,8 +174,22 @@ pub struct Drawn {
 /// No adapter, unknown technique, a scene beyond the adapter's limits.
 pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> Result<Drawn, CliError> {
     let gpu = Gpu::new(&GpuOptions { adapter: args.adapter.clone() })?;
+    let mut shadow_settings = ShadowSettings::default();
+    shadow_settings.convolution.order = args.order;
+    shadow_settings.convolution.prefilter = match args.prefilter {
+        PrefilterName::Mip => Prefilter::MipChain,
+        PrefilterName::Sat => Prefilter::SummedAreaTable,
+    };
     let settings = RenderSettings {
         shadows: args.shadows.clone(),
+        shadow_settings,
+        shadow_sizing: match args.shadow_sizing {
+            SizingName::Footprint => ShadowSizing::Footprint,
+            SizingName::Uniform => ShadowSizing::Uniform,
+        },
+        shadow_memory_bytes: u64::from(args.shadow_memory) << 20,
+        ambient: args.ambient.clone(),
+        ambient_cells: args.ambient_cells,
         compositing: args.compositing.clone(),
         shadow_resolution: args.shadow_resolution,
         samples: args.supersample,
@@ -149,6 +209,7 @@ pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> 
         radiance: frame.radiance,
         adapter: json!(gpu.adapter()),
         shadow_bytes: plain.shadow_bytes(),
+        shadow_batches: plain.shadow_batches(),
         frame_milliseconds: 0.0,
         passes: Vec::new(),
     };
@@ -215,6 +276,7 @@ fn stats(inputs: &Inputs, lights: &LightSet, drawn: &Drawn) -> Value {
         "light_count": lights.lights.len(),
         "flux_shares": { "lights": shares.lights, "residual": shares.residual },
         "shadow_bytes": drawn.shadow_bytes,
+        "shadow_batches": drawn.shadow_batches,
         "frame_milliseconds": drawn.frame_milliseconds,
         "passes": drawn.passes,
         "fit": lights.document(),

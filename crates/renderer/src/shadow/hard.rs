@@ -31,7 +31,7 @@ impl ShadowTechnique for Hard {
         "one z-buffer test from each light's centre"
     }
 
-    fn module(&self) -> &'static str {
+    fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_hard"
     }
 

@@ -30,7 +30,7 @@ impl ShadowTechnique for HardLinear {
         "one subtraction of linear depths from each light's centre (Heidrich 2001)"
     }
 
-    fn module(&self) -> &'static str {
+    fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_hard_linear"
     }
 

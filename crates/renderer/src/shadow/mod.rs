@@ -16,7 +16,7 @@ use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
-pub use convolution::ConvolutionSettings;
+pub use convolution::{ConvolutionSettings, Footprint, Prefilter};
 pub use hard::HardSettings;
 pub use hard_linear::HardLinearSettings;
 pub use moments::MomentSettings;
@@ -47,7 +47,7 @@ pub(crate) trait ShadowTechnique: Sync {
     /// One line for help texts.
     fn summary(&self) -> &'static str;
     /// WGSL module that fills the slot `shadow`.
-    fn module(&self) -> &'static str;
+    fn module(&self, _: &ShadowSettings) -> &'static str;
     /// Whether the lights' depth maps are drawn for it.
     fn needs_depth_maps(&self) -> bool;
     /// GPU memory of one light's images at a map resolution, depth map not counted [bytes].

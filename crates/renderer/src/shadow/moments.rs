@@ -55,7 +55,7 @@ impl ShadowTechnique for Moments {
         "moment soft shadow maps: four filtered moments of depth (Peters et al. 2016)"
     }
 
-    fn module(&self) -> &'static str {
+    fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_moments"
     }
 

@@ -14,7 +14,7 @@ impl ShadowTechnique for None {
         "no shadows: ordinary image-based lighting"
     }
 
-    fn module(&self) -> &'static str {
+    fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_none"
     }
 

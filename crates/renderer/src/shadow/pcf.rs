@@ -37,7 +37,7 @@ impl ShadowTechnique for Pcf {
         "percentage-closer filtering with a fixed kernel (Reeves et al. 1987)"
     }
 
-    fn module(&self) -> &'static str {
+    fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_pcf"
     }
 

@@ -45,7 +45,7 @@ impl ShadowTechnique for Pcss {
         "percentage-closer soft shadows: blocker search, then a kernel of the penumbra's width (Fernando 2005)"
     }
 
-    fn module(&self) -> &'static str {
+    fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_pcss"
     }
 

@@ -5,6 +5,8 @@
     reason = "a test fails by panicking; every test program uses its own part"
 )]
 
+pub mod edge;
+
 use glam::{DVec3, Vec2, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;

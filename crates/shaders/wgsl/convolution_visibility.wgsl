@@ -1,0 +1,102 @@
+#import shadow_frame
+#import series
+
+// Convolution soft shadows (Annen et al. 2008, sections 3 and 4.1; Fig. 2) over images that are filtered in one of several ways. The
+// importer brings `Kernel`, `kernel_of(light, width)` with the width of the light's footprint as a share of the map's side per
+// unit of the light's own size, and `filtered(image, uv, layer, kernel, unblocked)`, the mean over the kernel, with
+// the value of a texel that nothing blocks.
+
+@group(2) @binding(0) var<uniform> parameters: ConvolutionParameters;
+@group(2) @binding(1) var basis_sin: texture_2d_array<f32>;
+@group(2) @binding(2) var basis_cos: texture_2d_array<f32>;
+@group(2) @binding(3) var basis_z_sin: texture_2d_array<f32>;
+@group(2) @binding(4) var basis_z_cos: texture_2d_array<f32>;
+@group(2) @binding(5) var linear_depth: texture_2d_array<f32>;
+@group(2) @binding(6) var trilinear: sampler;
+
+// Of the first kernel: less than this is blocked nowhere, up to the ringing of the series.
+const FULLY_LIT: f32 = 0.995;
+
+// Half width and height of the box with the light's variance along the map's axes, in the light's own size: a rectangle's own,
+// for a disk of radius r that of variance r^2 / 4.
+fn box_half_extent(light: u32) -> vec2f {
+    return lights[light].half_extent * select(1.0, sqrt(0.75), lights[light].shape == SHAPE_DISK);
+}
+
+// The kernel for a receiver of linear depth `d` where the shadow map's plane lies at the linear depth `z`.
+fn kernel_at(light: u32, d: f32, z: f32) -> Kernel {
+    return kernel_of(light, parameters.footprint_scale * footprint_scale_uv(light, d, z));
+}
+
+fn filtered_lit(light: u32, uv: vec2f, d: f32, kernel: Kernel) -> f32 {
+    var s = 0.5;
+    for (var group = 0u; group < parameters.groups; group++) {
+        let layer = light * parameters.groups + group;
+        s += series_lit(
+            series_phases(d, group),
+            filtered(basis_sin, uv, layer, kernel, parameters.far_sin[group]),
+            filtered(basis_cos, uv, layer, kernel, parameters.far_cos[group]),
+            series_weights(group, parameters.order),
+        );
+    }
+    return s;
+}
+
+// Mean depth of what is nearer than `d` under a kernel, in scaled light depth, given the filtered series `lit` of the same kernel
+// (2008, eq. 11).
+fn average_blocker_depth(light: u32, uv: vec2f, d: f32, kernel: Kernel, lit: f32) -> f32 {
+    var sum = 0.5 * filtered(linear_depth, uv, light, kernel, vec4f(SERIES_DEPTH_SCALE)).r;
+    for (var group = 0u; group < parameters.groups; group++) {
+        let layer = light * parameters.groups + group;
+        sum += series_blocker_depth(
+            series_phases(d, group),
+            filtered(basis_z_sin, uv, layer, kernel, SERIES_DEPTH_SCALE * parameters.far_sin[group]),
+            filtered(basis_z_cos, uv, layer, kernel, SERIES_DEPTH_SCALE * parameters.far_cos[group]),
+            series_weights(group, parameters.order),
+        );
+    }
+    // Where next to nothing blocks, the quotient means nothing and the kernel does not matter.
+    return clamp(sum / max(1.0 - lit, 1e-3), 0.0, d);
+}
+
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+    let receiver = receiver_in_light(light, position_world, normal_world);
+    if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
+        return 1.0;
+    }
+    let depth = SERIES_DEPTH_SCALE * receiver.z;
+
+    // First kernel: where the cone to the light meets the near plane. It holds the final one, so where all of it is lit or
+    // all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
+    // less would mix the receiver's depth into the blockers'.
+    let d_average = depth - parameters.average_bias;
+    var kernel = kernel_at(light, receiver.w, 0.0);
+    let first_lit = filtered_lit(light, receiver.xy, d_average, kernel);
+    if first_lit >= FULLY_LIT {
+        return 1.0;
+    }
+    if first_lit <= parameters.black_point {
+        return 0.0;
+    }
+
+    // The plane moves to the average blocker; again, from there (2008, section 3.2).
+    var blocker_distance = depth;
+    var lit_before = first_lit;
+    for (var i = 0u; i < parameters.plane_iterations; i++) {
+        if i > 0u {
+            lit_before = filtered_lit(light, receiver.xy, d_average, kernel);
+            if lit_before >= FULLY_LIT {
+                break;
+            }
+        }
+        let z_avg = average_blocker_depth(light, receiver.xy, d_average, kernel, lit_before);
+        blocker_distance = depth - z_avg;
+        kernel = kernel_at(light, receiver.w, z_avg / SERIES_DEPTH_SCALE);
+    }
+    let lit = filtered_lit(light, receiver.xy, depth - parameters.depth_bias, kernel);
+    let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);
+    if parameters.plane_iterations == 0u {
+        return clean;
+    }
+    return sharpen(clean, blocker_distance, parameters.sharpening_a, parameters.sharpening_b);
+}
