@@ -13,6 +13,9 @@ use gnomon_renderer::shadow::{ConvolutionSettings, Footprint, Prefilter};
 use gnomon_renderer::{Gpu, RenderSettings};
 use gnomon_scene::{Camera, Mesh, Projection, Scene};
 
+/// Sets a part of the technique.
+type Change = fn(&mut ConvolutionSettings);
+
 fn convolution(change: impl Fn(&mut ConvolutionSettings)) -> RenderSettings {
     let mut settings = settings("convolution");
     change(&mut settings.shadow_settings.convolution);
@@ -189,7 +192,7 @@ fn every_part_can_be_switched_off() {
     let camera = Camera::look_at(Vec3::new(1.5, 1.5, 1.5), Vec3::ZERO, 0.8);
     let picture = |settings| render(&gpu, settings, &scene, &no_light(), &set, &camera, [48, 36]).radiance;
     let whole = picture(convolution(|_| {}));
-    let changes: [(&str, fn(&mut ConvolutionSettings)); 5] = [
+    let changes: [(&str, Change); 5] = [
         ("ringing suppression", |s| (s.black_point, s.white_point) = (0.0, 1.0)),
         ("sharpening", |s| s.sharpening_a = 0.0),
         ("two steps", |s| s.plane_iterations = 0),
