@@ -179,18 +179,18 @@ impl<'a> Lab<'a> {
         Ok(found)
     }
 
-    /// The lights that a fit makes of an environment when asked for `count`; it may make fewer.
+    /// The lights that a fit makes of an environment when asked for `count`, of which it may make fewer, or its own choice.
     ///
     /// # Errors
     /// An unknown fit, or one that refuses the count or the map.
     pub fn lights(
         &self,
         method: &str,
-        count: usize,
+        count: Option<usize>,
         environment: &Environment,
     ) -> Result<Rc<LightSet>, BenchError> {
-        cached(&self.fits, format!("{method} {count} {}", environment.name), || {
-            let options = FitOptions { light_count: Some(count), ..FitOptions::default() };
+        cached(&self.fits, format!("{method} {count:?} {}", environment.name), || {
+            let options = FitOptions { light_count: count, ..FitOptions::default() };
             Ok(fit::by_name(method, &options)?.fit(&environment.map)?)
         })
     }

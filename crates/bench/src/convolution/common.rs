@@ -1,45 +1,90 @@
 //! What the experiments of this suite share.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
-use gnomon_lights::{DistantLight, LightSet, fit};
+use gnomon_lights::LightSet;
+use gnomon_renderer::{RenderSettings, ShadowSizing};
 use gnomon_report::Cell;
+use gnomon_scene::{AreaLight, AreaLightShape, Camera, Node, NodeId, Scene};
 
 use crate::timing::{Spread, TimingPlan};
-use crate::{Environment, Lab, Stage};
+use crate::{Environment, Lab, Setup, Stage};
 
-/// The light fits that are compared, in the order of tables, as far as they exist.
-pub(super) fn fits() -> Vec<&'static str> {
-    let wanted = ["disks", "squares", "rectangles", "partition"];
-    wanted.into_iter().filter(|name| fit_exists(name)).collect()
+/// The light fits that are compared, in the order of tables.
+pub(super) const FITS: [&str; 4] = ["disks", "squares", "rectangles", "partition"];
+
+/// A frame in which all shadow maps have `resolution` texels a side: what times at a stated resolution are measured with.
+pub(super) fn uniform_maps(resolution: u32) -> RenderSettings {
+    RenderSettings { shadow_sizing: ShadowSizing::Uniform, ..maps_by_footprint(resolution) }
 }
 
-/// Whether a light fit is registered.
-pub(super) fn fit_exists(name: &str) -> bool {
-    fit::methods().iter().any(|method| method.name == name)
+/// A frame in which wider lights have coarser shadow maps, `resolution` texels a side at most: the renderer's own choice, which
+/// errors are measured with.
+pub(super) fn maps_by_footprint(resolution: u32) -> RenderSettings {
+    RenderSettings { shadow_resolution: resolution, ..RenderSettings::default() }
 }
 
-/// One lamp in the dark: a distant square, ten degrees wide, high on the left of a default camera. Irradiance across the beam is pi, so that a white surface there has radiance 1.
+/// A scene in the dark with one square lamp over it, ten degrees wide from the models' centre, high on the left of a default
+/// camera. Irradiance from the lamp is near pi there, so that a white surface has radiance 1.
 pub(super) struct Lamp {
-    pub lights: LightSet,
-    pub map: Equirect,
+    pub stage: Stage,
+    lights: LightSet,
+    map: Equirect,
 }
 
-/// Half the lamp's side on the plane at distance 1: tan 5 degrees.
-const HALF_SIDE: f64 = 0.087_488_66;
+/// Half the lamp's side over its distance: tan 5 degrees.
+const HALF_SIDE: f32 = 0.087_488_66;
+
+/// The lamp's distance over the radius of the models.
+const DISTANCE: f32 = 3.0;
 
 impl Lamp {
-    pub fn new() -> Self {
-        let map = Equirect::new(RgbImage::filled(64, 32, Vec3::ZERO));
-        let forward = DVec3::new(-0.5, 1.1, 0.5).normalize();
-        let right = forward.cross(DVec3::Y).normalize();
-        let up = right.cross(forward);
-        let half = DVec2::splat(HALF_SIDE);
-        let flux = DVec3::splat(std::f64::consts::PI);
-        let light = DistantLight::rectangle([right, up, forward], -half, half, flux);
-        Self { lights: LightSet::new("one lamp", vec![light], map.clone()), map }
+    pub fn over(stage: &Stage) -> Self {
+        let bounds = stage.scene.bounds_without_ground();
+        let (center, radius) = bounds.map_or((Vec3::ZERO, 1.0), |bounds| (bounds.center(), bounds.radius()));
+        let direction = Vec3::new(-0.5, 1.1, 0.5).normalize();
+        let distance = DISTANCE * radius.max(f32::MIN_POSITIVE);
+        let mut stage = stage.clone();
+        let lamp = square_lamp(center, direction, distance, HALF_SIDE);
+        add_light(&mut stage.scene, lamp);
+        Self::new(stage)
     }
+
+    /// A stage that its own lights alone light.
+    pub fn new(stage: Stage) -> Self {
+        let map = Equirect::new(RgbImage::filled(64, 32, Vec3::ZERO));
+        Self { stage, lights: LightSet::new("the scene's own", Vec::new(), map.clone()), map }
+    }
+
+    /// Pictures of it of `size` pixels.
+    pub fn setup(&self, size: [u32; 2]) -> Setup<'_> {
+        Setup { stage: &self.stage, map: &self.map, lights: &self.lights, size }
+    }
+}
+
+/// A square light at `distance` from `target` that faces it; its side is twice `half_side` times the distance. A white surface at the
+/// target that faces the light, as long as the light is small, has radiance 1.
+pub(super) fn square_lamp(
+    target: Vec3,
+    direction: Vec3,
+    distance: f32,
+    half_side: f32,
+) -> (Affine3A, AreaLightShape, Vec3) {
+    let world_from_lamp =
+        Affine3A::from_mat4(Camera::look_at(target + distance * direction, target, 1.0).world_from_camera);
+    let shape = AreaLightShape::Rectangle { size: Vec2::splat(2.0 * half_side * distance) };
+    // Irradiance, radiance times solid angle, is then pi.
+    let radiance = std::f32::consts::PI / (4.0 * half_side * half_side);
+    (world_from_lamp, shape, Vec3::splat(radiance))
+}
+
+/// Adds a light on a node of its own.
+pub(super) fn add_light(scene: &mut Scene, (place, shape, radiance): (Affine3A, AreaLightShape, Vec3)) {
+    let node = NodeId(scene.nodes.len());
+    let name = "lamp".to_owned();
+    scene.nodes.push(Node { name, parent: None, parent_from_node: place, meshes: Vec::new() });
+    scene.lights.push(AreaLight { node, shape, radiance });
 }
 
 /// How long rivals are timed; `seconds` is for the full effort.

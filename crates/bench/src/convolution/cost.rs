@@ -1,8 +1,9 @@
+use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, Line, Plot, PowerLaw, Section, Series, Style, Table};
 
-use super::common::{TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells};
+use super::common::{TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells, uniform_maps};
 use super::variant::{Drawn, Variant};
-use crate::timing::interleaved;
+use crate::timing::{TimingPlan, interleaved};
 use crate::{BenchError, Experiment, Lab, Setup};
 
 /// Table 1: frame time against map resolution and number of lights.
@@ -45,12 +46,23 @@ const PAPER: &[Paper] = &[
     paper("SAT", 1024, 20, 1.5),
 ];
 
-/// One measured frame.
+/// Fewest lights of a partition: one a face of the cube.
+const LEAST_PARTITION: usize = 6;
+
+/// Passes whose time is the lights'; the others are the camera's.
+const PASSES_OF_LIGHTS: [&str; 3] = ["shadow maps", "shadow filter", "shade"];
+
+/// What the lights of one frame cost.
 struct Row {
     technique: String,
     resolution: u32,
     lights: usize,
     milliseconds: f64,
+}
+
+/// Time of the passes that the lights cost [ms].
+fn of_lights(times: &PassTimes) -> f64 {
+    times.iter().filter(|(name, _)| PASSES_OF_LIGHTS.contains(name)).map(|(_, time)| time).sum()
 }
 
 impl Experiment for Cost {
@@ -67,9 +79,7 @@ impl Experiment for Cost {
         let environment = lab.environment("rnl")?;
         let size = lab.pick([32, 24], [256, 192], [512, 384]);
         let resolutions: &[u32] = lab.pick(&[16, 32], &[128, 256, 512], &[128, 256, 512, 1024]);
-        let counts: &[usize] = lab.pick(&[1, 2], &[1, 10, 20], &[1, 10, 20, 40]);
-        // The only fit that makes any number of lights, one included.
-        let method = "disks";
+        let counts: &[usize] = lab.pick(&[1, 6], &[1, 10, 20, 40], &[1, 10, 20, 40]);
         lab.tell("cost: tracing", 0.0);
         let truth = lab.truth(&stage, &environment, size, lab.pick(2, 64, 256))?;
 
@@ -88,14 +98,17 @@ impl Experiment for Cost {
             resolutions.iter().flat_map(|r| counts.iter().map(move |c| (r, c))).enumerate()
         {
             lab.tell(&format!("cost: {resolution} texels, {count} lights"), 0.1 + 0.9 * step as f32 / steps);
-            let lights = lab.lights(method, count, &environment)?;
+            // A partition needs more lights than one.
+            let method = if count < LEAST_PARTITION { "disks" } else { "partition" };
+            let lights = lab.lights(method, Some(count), &environment)?;
+            // What a disk leaves over is ambient: with cells there would be more maps than lights asked for.
+            let frame = RenderSettings { ambient: "unshadowed".to_owned(), ..uniform_maps(resolution) };
             let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };
             let mut variants = Variant::prefilters(4);
-            let filters = variants.len();
             variants.push(Variant::technique("hard"));
             let mut drawn = Vec::new();
             for variant in &variants {
-                drawn.push(Drawn::new(lab, variant, setup, resolution, "ratio", &truth.picture)?);
+                drawn.push(Drawn::new(lab, variant, setup, &frame, &truth.picture)?);
             }
             let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
             let spreads = interleaved(&mut rivals, &plan(lab, 8.0))?;
@@ -110,30 +123,29 @@ impl Experiment for Cost {
                 row.push(drawn.as_ref().map(|drawn| drawn.comparison.relative_rmse).into());
                 row.push(paper_milliseconds(&variant.name, resolution, count).into());
                 times.push(row);
-                if let Some(spread) = spread {
-                    rows.push(Row {
-                        technique: variant.name.to_string(),
-                        resolution,
-                        lights: found,
-                        milliseconds: spread.median,
-                    });
-                }
             }
             drop(drawn);
-            for variant in &variants[..filters] {
-                if let Some(mut renderer) = variant.renderer(lab, setup, resolution, "ratio", true)? {
-                    let times = renderer.pass_times(&plan(lab, 2.0))?;
-                    passes.push(&variant.name, resolution, lights.lights.len(), times);
+            let profiled = RenderSettings { profile: true, ..frame };
+            for variant in &variants {
+                if let Some(mut renderer) = variant.renderer(lab, setup, &profiled)? {
+                    let times = renderer.pass_times(&TimingPlan { least_rounds: 3, ..plan(lab, 4.0) })?;
+                    let lights = lights.lights.len();
+                    let technique = variant.name.to_string();
+                    rows.push(Row { technique, resolution, lights, milliseconds: of_lights(&times) });
+                    passes.push(&variant.name, resolution, lights, times);
                 }
             }
         }
         let mut paragraphs = vec![format!(
-            "{} triangles under {} ({method}), {} x {} pixels of 2 x 2 samples, truth: {}. A missing time did not fit the adapter.",
+            "{} triangles under {} (one disk, else a partition; nothing ambient has shadows of its own), {} x {} pixels of 2 x 2 \
+             samples, all maps of the size stated, truth: {}. Growth is that of the passes that lights cost: {}. A missing time did \
+             not fit the adapter.",
             stage.scene.triangle_count(),
             environment.name,
             size[0],
             size[1],
-            truth.source
+            truth.source,
+            PASSES_OF_LIGHTS.join(", ")
         )];
         paragraphs.extend(stand_ins(&[&stage], &[&environment]));
         Ok(Section {
@@ -227,8 +239,7 @@ fn growth(rows: &[Row]) -> Table {
         ("without lights", "ms"),
         ("R squared of the line", ""),
     ];
-    let caption =
-        "Growth: 1 is linear; a line in the number of lights, a power of the number of texels of a map";
+    let caption = "Growth of what lights cost: 1 is linear; a line in the number of lights, a power of a map's number of texels";
     let mut table = Table::new("cost_growth", caption, &columns);
     for technique in distinct(rows, |row| row.technique.clone()) {
         for resolution in distinct(rows, |row| row.resolution) {
@@ -267,9 +278,9 @@ fn plots(rows: &[Row]) -> Vec<Plot> {
         let short = technique.replace("convolution ", "");
         let key: String = short.chars().filter(|character| character.is_alphanumeric()).collect();
         let plot = |what: &str, label: &str, unit: &str, ticks: Vec<f64>| {
-            let title = format!("Frame time against {what}: {technique}");
+            let title = format!("Time of maps, filters, shading against {what}: {technique}");
             let x = Axis::logarithmic(label, unit).with_ticks(ticks);
-            Plot::new(format!("cost_{what}_{key}"), title, x, Axis::logarithmic("frame time", "ms"))
+            Plot::new(format!("cost_{what}_{key}"), title, x, Axis::logarithmic("time", "ms"))
         };
         let ours = |name: String, points| Series::new(name, points).with_slope();
         let theirs = |name: String, points| Series::new(name, points).styled(Style::Dashed);
@@ -284,7 +295,7 @@ fn plots(rows: &[Row]) -> Vec<Plot> {
                 .map(|row| (row.lights as f64, row.milliseconds()))
                 .collect();
             if !points.is_empty() {
-                lights.series.push(theirs(format!("paper, {side} x {side}"), points));
+                lights.series.push(theirs(format!("paper, frame, {side} x {side}"), points));
             }
         }
 
@@ -301,7 +312,7 @@ fn plots(rows: &[Row]) -> Vec<Plot> {
                 .map(|row| (f64::from(row.side), row.milliseconds()))
                 .collect();
             if !points.is_empty() {
-                resolution.series.push(theirs(format!("paper, {count} lights"), points));
+                resolution.series.push(theirs(format!("paper, frame, {count} lights"), points));
             }
         }
         plots.extend([lights, resolution]);

@@ -1,9 +1,12 @@
 use std::rc::Rc;
 
 use gnomon_lights::LightSet;
+use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
 
-use super::common::{TIME_COLUMNS, fit_exists, fits, mebibytes, plan, stand_ins, time_cells};
+use super::common::{
+    FITS, TIME_COLUMNS, maps_by_footprint, mebibytes, plan, stand_ins, time_cells, uniform_maps,
+};
 use super::variant::{Drawn, Variant};
 use crate::pictures::{difference, shown};
 use crate::timing::{TimingPlan, interleaved};
@@ -41,7 +44,7 @@ impl Experiment for Lights {
         let environments =
             lab.environments(lab.pick(&["rnl"], &["rnl", "stpeters"], &["rnl", "stpeters"]))?;
         let size = lab.pick([32, 24], [128, 96], [256, 192]);
-        let resolution = lab.pick(32, 128, 256);
+        let resolution = lab.pick(32, 256, 256);
         let columns = [
             &[("environment", ""), ("fit", ""), ("lights asked for", ""), ("lights", "")][..],
             &TIME_COLUMNS,
@@ -53,8 +56,7 @@ impl Experiment for Lights {
             ],
         ]
         .concat();
-        let caption =
-            "Error against the number of lights: convolution, mip maps, M = 4; fits timed interleaved";
+        let caption = "Error against the number of lights: convolution, mip maps, M = 4, coarser maps for wider lights; timed interleaved";
         let mut section =
             Section { tables: vec![Table::new("lights", caption, &columns)], ..Section::default() };
         let mut duel = duel_table();
@@ -105,25 +107,26 @@ fn counts(
     let counts: &[usize] = lab.pick(&[6], &[15, 30, 60], &[15, 30, 45, 60, 80, 120, 200]);
     let name = scenery.environment.name;
     let truth = &scenery.truth.picture;
+    let frame = maps_by_footprint(scenery.resolution);
     let mut plot = Plot::new(
         format!("lights_{name}"),
         format!("Error against the number of lights: {name}"),
         Axis::logarithmic("lights", "").with_ticks(counts.iter().map(|&count| count as f64).collect()),
         Axis::logarithmic("relative RMSE", ""),
     );
-    plot.series = fits().into_iter().map(|fit| Series::new(fit, Vec::new())).collect();
+    plot.series = FITS.into_iter().map(|fit| Series::new(fit, Vec::new())).collect();
     let mut sheet = ContactSheet::new(format!("lights_{name}"), format!("Lights: {name}"), 4);
     sheet.enlargement = lab.pick(1, 2, 1);
     for (step, &count) in counts.iter().enumerate() {
         lab.tell(&format!("lights: {name}, {count}"), start + share * step as f32 / counts.len() as f32);
         let mut sets = Vec::new();
-        for fit in fits() {
-            sets.push(lab.lights(fit, count, &scenery.environment)?);
+        for fit in FITS {
+            sets.push(lab.lights(fit, Some(count), &scenery.environment)?);
         }
         let mut drawn = Vec::new();
         for set in &sets {
             let setup = scenery.setup(set);
-            let new = Drawn::new(lab, &Variant::mip(4), setup, scenery.resolution, "ratio", truth)?;
+            let new = Drawn::new(lab, &Variant::mip(4), setup, &frame, truth)?;
             drawn.push(new);
         }
         let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
@@ -151,7 +154,7 @@ fn counts(
             }
         }
     }
-    sheet.columns = fits().len() as u32;
+    sheet.columns = FITS.len() as u32;
     sheet.title = format!("Picture - truth: {name}");
     section.plots.push(plot);
     section.sheets.push(sheet);
@@ -160,9 +163,10 @@ fn counts(
 
 fn duel_table() -> Table {
     let columns = [
-        &[("environment", ""), ("technique", ""), ("lights", "")][..],
+        &[("environment", ""), ("samples a pixel", ""), ("technique", ""), ("lights", "")][..],
         &TIME_COLUMNS,
         &[
+            ("rounds", ""),
             ("times the time of 30 convolution lights", ""),
             ("shadow memory", "MiB"),
             ("relative RMSE", ""),
@@ -170,76 +174,79 @@ fn duel_table() -> Table {
         ],
     ]
     .concat();
-    let caption = "30 lights with convolution shadows against many hard shadow maps of the same resolution, timed interleaved";
+    let caption =
+        "30 lights with soft shadows against many hard shadow maps, all maps of one size, timed interleaved";
     Table::new("lights_hard_maps", caption, &columns)
 }
 
-/// Convolution with 30 lights, then hard maps: 500, and at full effort also 100 and 1000.
+/// Soft shadows of 30 lights, then hard maps: 500, and at full effort also 100 and 1000.
 fn many_hard_maps(
     lab: &Lab<'_>,
     scenery: &Scenery,
     table: &mut Table,
     section: &mut Section,
 ) -> Result<(), BenchError> {
-    // Point samples where there is such a fit; else the centres of rectangles, which is all that a hard map sees of them.
-    let points = if fit_exists("samples") { "samples" } else { "rectangles" };
-    let areas = if fit_exists("partition") { "partition" } else { "rectangles" };
     let hard: &[usize] = lab.pick(&[7], &[500], &[100, 500, 1000]);
     let truth = &scenery.truth.picture;
-    let mut plan_of = vec![];
-    for variant in Variant::prefilters(4) {
-        plan_of.push((variant, lab.lights(areas, lab.pick(6, 30, 30), &scenery.environment)?));
-    }
+    let soft = lab.lights("partition", Some(lab.pick(6, 30, 30)), &scenery.environment)?;
+    let soft_variants = Variant::prefilters(4).into_iter().chain([Variant::technique("pcss")]);
+    let mut rivals_of: Vec<_> = soft_variants.map(|variant| (variant, Rc::clone(&soft))).collect();
     for &count in hard {
-        plan_of.push((Variant::technique("hard"), lab.lights(points, count, &scenery.environment)?));
+        let points = lab.lights("samples", Some(count), &scenery.environment)?;
+        rivals_of.push((Variant::technique("hard"), points));
     }
-    let mut drawn = Vec::new();
-    for (variant, set) in &plan_of {
-        drawn.extend(
-            Drawn::new(lab, variant, scenery.setup(set), scenery.resolution, "ratio", truth)?
-                .map(|d| (d, set)),
-        );
-    }
-    let mut rivals: Vec<_> = drawn.iter_mut().map(|(drawn, _)| drawn.renderer.rival()).collect();
-    let spreads = interleaved(&mut rivals, &plan(lab, 40.0))?;
-    drop(rivals);
-    let ours = spreads.first().map_or(f64::NAN, |spread| spread.median);
     let name = scenery.environment.name;
     let mut sheet =
         ContactSheet::new(format!("lights_hard_maps_{name}"), format!("Many hard maps: {name}"), 2);
     sheet.enlargement = lab.pick(1, 2, 1);
-    let stops = drawn.first().map_or(0.0, |(drawn, _)| drawn.comparison.exposure);
-    sheet.panels.push(Panel::new(format!("truth\n{}", scenery.truth.source), shown(truth, stops)));
-    sheet.panels.push(Panel::new("truth - truth", difference(truth, truth)?));
-    for ((drawn, set), spread) in drawn.iter().zip(&spreads) {
-        let found = set.lights.len();
-        let mut row: Vec<Cell> =
-            vec![name.into(), format!("{}, {}", drawn.name, set.method).into(), found.into()];
-        row.extend(time_cells(Some(spread)));
-        row.push((spread.median / ours).into());
-        row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
-        row.push(drawn.comparison.relative_rmse.into());
-        // Fig. 11: St Peter's, 25.4, 7.5 and 1.4 frames a second.
-        let paper = [("mip", 30, 25.4), ("SAT", 30, 7.5), ("hard", 500, 1.4)];
-        let paper = paper.iter().find(|(part, count, _)| {
-            name == "stpeters" && drawn.name.contains(part) && (found as i64 - count).abs() <= 5
-        });
-        row.push(paper.map(|(_, _, rate)| 1000.0 / rate).into());
-        table.push(row);
-        let caption = format!(
-            "{found} {}\nRMSE {}, {} ms",
-            drawn.name,
-            significant(drawn.comparison.relative_rmse, 3),
-            significant(spread.median, 3)
-        );
-        sheet.panels.push(Panel::new(caption, shown(&drawn.picture, stops)));
-        sheet.panels.push(Panel::new("picture - truth", difference(&drawn.picture, truth)?));
+    for side in [1, 2] {
+        let frame = RenderSettings { samples: side, ..uniform_maps(scenery.resolution) };
+        let mut drawn = Vec::new();
+        for (variant, set) in &rivals_of {
+            let new = Drawn::new(lab, variant, scenery.setup(set), &frame, truth)?;
+            drawn.extend(new.map(|drawn| (drawn, set)));
+        }
+        let mut rivals: Vec<_> = drawn.iter_mut().map(|(drawn, _)| drawn.renderer.rival()).collect();
+        let least_rounds = lab.pick(1, 3, 5);
+        let spreads = interleaved(&mut rivals, &TimingPlan { least_rounds, ..plan(lab, 40.0) })?;
+        drop(rivals);
+        let ours = spreads.first().map_or(f64::NAN, |spread| spread.median);
+        let stops = drawn.first().map_or(0.0, |(drawn, _)| drawn.comparison.exposure);
+        if side == 2 {
+            sheet.panels.push(Panel::new(format!("truth\n{}", scenery.truth.source), shown(truth, stops)));
+            sheet.panels.push(Panel::new("truth - truth", difference(truth, truth)?));
+        }
+        for ((drawn, set), spread) in drawn.iter().zip(&spreads) {
+            let found = set.lights.len();
+            let mut row: Vec<Cell> = vec![
+                name.into(),
+                (side * side).into(),
+                format!("{}, {}", drawn.name, set.method).into(),
+                found.into(),
+            ];
+            row.extend(time_cells(Some(spread)));
+            row.extend([spread.rounds.into(), (spread.median / ours).into()]);
+            row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
+            row.push(drawn.comparison.relative_rmse.into());
+            // Fig. 11: St Peter's, 25.4, 7.5 and 1.4 frames a second.
+            let paper = [("mip", 30, 25.4), ("SAT", 30, 7.5), ("hard", 500, 1.4)];
+            let paper = paper.iter().find(|(part, count, _)| {
+                name == "stpeters" && drawn.name.contains(part) && (found as i64 - count).abs() <= 5
+            });
+            row.push(paper.map(|(_, _, rate)| 1000.0 / rate).into());
+            table.push(row);
+            if side == 2 {
+                let caption = format!(
+                    "{found} {}\nRMSE {}, {} ms",
+                    drawn.name,
+                    significant(drawn.comparison.relative_rmse, 3),
+                    significant(spread.median, 3)
+                );
+                sheet.panels.push(Panel::new(caption, shown(&drawn.picture, stops)));
+                sheet.panels.push(Panel::new("picture - truth", difference(&drawn.picture, truth)?));
+            }
+        }
     }
     section.sheets.push(sheet);
-    if points != "samples" {
-        section.paragraphs.push(
-            "Hard maps stand at the centres of rectangles: there is no fit of point samples.".to_owned(),
-        );
-    }
     Ok(())
 }

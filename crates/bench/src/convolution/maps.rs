@@ -1,15 +1,13 @@
-use std::collections::BTreeMap;
-
 use gnomon_image::RgbImage;
 use gnomon_metrics::Comparison;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
 
-use super::common::{fits, stand_ins};
+use super::common::{maps_by_footprint, mebibytes, stand_ins};
 use super::variant::{Drawn, Variant};
 use crate::pictures::{difference, shown};
 use crate::{BenchError, Environment, Experiment, Lab, Setup, Stage, Truth};
 
-/// Error under every environment map with every light fit.
+/// Error under every environment map.
 pub(super) struct Maps;
 
 /// Environments at full effort.
@@ -18,14 +16,40 @@ const ENVIRONMENTS: [&str; 7] = ["grace", "stpeters", "galileo", "kitchen", "rnl
 /// Relative RMSE that a picture may have with 60 to 80 lights, and with any number.
 const GOALS: [f64; 2] = [0.05, 0.035];
 
-/// Errors of one scene under one environment, by fit and number of lights asked for.
+/// How an environment becomes lights, and how they cast shadows.
+#[derive(Clone, Copy)]
+struct Way {
+    name: &'static str,
+    fit: &'static str,
+    /// Lights asked for; the fit's own choice for none.
+    count: Option<usize>,
+    technique: &'static str,
+}
+
+const fn way(name: &'static str, fit: &'static str, count: Option<usize>, technique: &'static str) -> Way {
+    Way { name, fit, count, technique }
+}
+
+/// The columns of the table.
+const WAYS: [Way; 7] = [
+    way("disks + cells", "disks", None, "convolution"),
+    way("partition 60", "partition", Some(60), "convolution"),
+    way("partition 60, pcss", "partition", Some(60), "pcss"),
+    way("partition 80", "partition", Some(80), "convolution"),
+    way("partition 200", "partition", Some(200), "convolution"),
+    way("squares 60 + cells", "squares", Some(60), "convolution"),
+    way("rectangles 60 + cells", "rectangles", Some(60), "convolution"),
+];
+
+/// Errors of one scene under one environment.
 struct Subject {
     scene: &'static str,
     environment: &'static str,
     truth: String,
     noise: Option<f64>,
     unshadowed: f64,
-    errors: BTreeMap<(usize, &'static str), f64>,
+    /// One for each way; none where the adapter cannot hold it.
+    errors: Vec<Option<f64>>,
 }
 
 impl Experiment for Maps {
@@ -42,19 +66,20 @@ impl Experiment for Maps {
         let environments = lab.environments(names)?;
         let stages =
             lab.stages(lab.pick(&["three_boxes"], &["three_boxes", "bunny"], &["three_boxes", "bunny"]))?;
-        let counts: &[usize] = lab.pick(&[6], &[60], &[60, 80, 240]);
+        let ways = lab.pick(&WAYS[..2], &WAYS[..5], &WAYS);
         let size = lab.pick([32, 24], [128, 96], [128, 96]);
+        let resolution = lab.pick(32, 256, 256);
         let columns = [
             ("scene", ""),
             ("environment", ""),
-            ("fit", ""),
-            ("lights asked for", ""),
-            ("lights", ""),
+            ("lights and shadows", ""),
+            ("lights of the fit", ""),
+            ("shadow memory", "MiB"),
             ("relative RMSE", ""),
             ("relative bias", ""),
             ("FLIP, weighted median", ""),
         ];
-        let caption = "Every picture: convolution, mip maps, M = 4, ratio compositing";
+        let caption = "Every picture: ratio compositing; convolution with mip maps and M = 4";
         let mut all = Table::new("maps_all", caption, &columns);
         let mut subjects = Vec::new();
         let mut sheets = Vec::new();
@@ -67,32 +92,30 @@ impl Experiment for Maps {
                 let share = subjects.len() as f32 / steps;
                 lab.tell(&format!("maps: {}, {}", stage.name, environment.name), share);
                 let truth = lab.truth(stage, environment, size, lab.pick(2, 256, 1024))?;
-                let scenery = Scenery { lab, stage, environment, truth: &truth, size };
-                subjects.push(scenery.subject(counts, &mut all, &mut sheet)?);
+                let scenery = Scenery { lab, stage, environment, truth: &truth, size, resolution };
+                subjects.push(scenery.subject(ways, &mut all, &mut sheet)?);
             }
             sheets.push(sheet);
         }
-        let mut tables: Vec<Table> = counts.iter().map(|&count| summary(&subjects, count)).collect();
-        tables.push(all);
         let (stages, environments): (Vec<&Stage>, Vec<&Environment>) =
             (stages.iter().map(AsRef::as_ref).collect(), environments.iter().map(AsRef::as_ref).collect());
-        let mut paragraphs = vec![format!(
-            "{} x {} pixels of 2 x 2 samples, Lambert, shadow maps of {} texels a side; the goals are {} with 60 to 80 lights and {} \
-             with any number.",
-            size[0],
-            size[1],
-            resolution(lab),
-            GOALS[0],
-            GOALS[1]
-        )];
-        paragraphs.push(verdict(&subjects, counts));
+        let mut paragraphs = vec![
+            format!(
+                "{} x {} pixels of 2 x 2 samples, Lambert. Shadow maps of at most {resolution} texels a side, coarser for wider \
+                 lights. 'Cells' are at most {} further lights that tile what a fit leaves over; a partition leaves nothing. The \
+                 goals are {} with 60 to 80 lights and {} with any number.",
+                size[0],
+                size[1],
+                maps_by_footprint(resolution).ambient_cells,
+                GOALS[0],
+                GOALS[1]
+            ),
+            verdict(&subjects, ways),
+        ];
         paragraphs.extend(stand_ins(&stages, &environments));
-        Ok(Section { paragraphs, tables, plots: vec![plot(&subjects, counts)], sheets, ..Section::default() })
+        let (tables, plots) = (vec![summary(&subjects, ways), all], vec![plot(&subjects, ways)]);
+        Ok(Section { paragraphs, tables, plots, sheets, ..Section::default() })
     }
-}
-
-fn resolution(lab: &Lab<'_>) -> u32 {
-    lab.pick(32, 128, 256)
 }
 
 struct Scenery<'s, 'gpu> {
@@ -101,12 +124,13 @@ struct Scenery<'s, 'gpu> {
     environment: &'s Environment,
     truth: &'s Truth,
     size: [u32; 2],
+    resolution: u32,
 }
 
 impl Scenery<'_, '_> {
     fn subject(
         &self,
-        counts: &[usize],
+        ways: &[Way],
         all: &mut Table,
         sheet: &mut ContactSheet,
     ) -> Result<Subject, BenchError> {
@@ -117,31 +141,33 @@ impl Scenery<'_, '_> {
             truth: self.truth.source.clone(),
             noise: self.truth.noise,
             unshadowed: f64::NAN,
-            errors: BTreeMap::new(),
+            errors: Vec::new(),
         };
+        let frame = maps_by_footprint(self.resolution);
         let mut best: Option<(String, RgbImage, Comparison)> = None;
-        for &count in counts {
-            for method in fits() {
-                let lights = self.lab.lights(method, count, self.environment)?;
-                let setup =
-                    Setup { stage: self.stage, map: &self.environment.map, lights: &lights, size: self.size };
-                if subject.unshadowed.is_nan() {
-                    let none = Variant::technique("none");
-                    if let Some(none) = Drawn::new(self.lab, &none, setup, 16, "ratio", truth)? {
-                        subject.unshadowed = none.comparison.relative_rmse;
-                        all.push(self.row("no shadows", None, 0, &none.comparison));
-                    }
+        for way in ways {
+            let lights = self.lab.lights(way.fit, way.count, self.environment)?;
+            let setup =
+                Setup { stage: self.stage, map: &self.environment.map, lights: &lights, size: self.size };
+            if subject.unshadowed.is_nan() {
+                if let Some(none) = Drawn::new(self.lab, &Variant::technique("none"), setup, &frame, truth)? {
+                    subject.unshadowed = none.comparison.relative_rmse;
+                    all.push(self.row("no shadows", lights.lights.len(), &none));
                 }
-                let drawn =
-                    Drawn::new(self.lab, &Variant::mip(4), setup, resolution(self.lab), "ratio", truth)?;
-                let Some(drawn) = drawn else { continue };
-                all.push(self.row(method, Some(count), lights.lights.len(), &drawn.comparison));
-                subject.errors.insert((count, method), drawn.comparison.relative_rmse);
-                let Drawn { picture, comparison, .. } = drawn;
-                let least = best.as_ref().map_or(f64::INFINITY, |(_, _, best)| best.relative_rmse);
-                if comparison.relative_rmse < least {
-                    best = Some((format!("{} {method}", lights.lights.len()), picture, comparison));
-                }
+            }
+            let variant = if way.technique == "convolution" {
+                Variant::mip(4)
+            } else {
+                Variant::technique(way.technique)
+            };
+            let drawn = Drawn::new(self.lab, &variant, setup, &frame, truth)?;
+            subject.errors.push(drawn.as_ref().map(|drawn| drawn.comparison.relative_rmse));
+            let Some(drawn) = drawn else { continue };
+            all.push(self.row(way.name, lights.lights.len(), &drawn));
+            let Drawn { picture, comparison, .. } = drawn;
+            let least = best.as_ref().map_or(f64::INFINITY, |(_, _, best)| best.relative_rmse);
+            if comparison.relative_rmse < least {
+                best = Some((way.name.to_owned(), picture, comparison));
             }
         }
         if let Some((name, picture, comparison)) = best {
@@ -157,77 +183,84 @@ impl Scenery<'_, '_> {
         Ok(subject)
     }
 
-    fn row(&self, method: &str, asked: Option<usize>, found: usize, comparison: &Comparison) -> [Cell; 8] {
+    fn row(&self, way: &str, lights: usize, drawn: &Drawn<'_>) -> [Cell; 8] {
         [
             self.stage.name.into(),
             self.environment.name.into(),
-            method.into(),
-            asked.into(),
-            found.into(),
-            comparison.relative_rmse.into(),
-            comparison.relative_bias.into(),
-            f64::from(comparison.flip.weighted_median).into(),
+            way.into(),
+            lights.into(),
+            mebibytes(drawn.renderer.shadow_bytes()).into(),
+            drawn.comparison.relative_rmse.into(),
+            drawn.comparison.relative_bias.into(),
+            f64::from(drawn.comparison.flip.weighted_median).into(),
         ]
     }
 }
 
-/// One row a scene and environment, one column a fit.
-fn summary(subjects: &[Subject], count: usize) -> Table {
+/// One row a scene and environment, one column a way, and the worst of every column.
+fn summary(subjects: &[Subject], ways: &[Way]) -> Table {
     let mut columns = vec![("scene", ""), ("environment", ""), ("no shadows", "")];
-    columns.extend(fits().into_iter().map(|fit| (fit, "")));
+    columns.extend(ways.iter().map(|way| (way.name, "")));
     columns.extend([("noise of the truth", ""), ("truth", "")]);
-    let caption = format!("Relative RMSE with {count} lights asked for");
-    let mut table = Table::new(format!("maps_{count}"), caption, &columns);
+    let mut table = Table::new("maps", "Relative RMSE", &columns);
     for subject in subjects {
         let mut row: Vec<Cell> =
             vec![subject.scene.into(), subject.environment.into(), subject.unshadowed.into()];
-        row.extend(fits().into_iter().map(|fit| subject.errors.get(&(count, fit)).copied().into()));
+        row.extend(subject.errors.iter().map(|error| Cell::from(*error)));
         row.extend([subject.noise.into(), subject.truth.as_str().into()]);
         table.push(row);
     }
+    let mut row: Vec<Cell> = vec!["worst".into(), Cell::Missing];
+    row.push(subjects.iter().map(|subject| subject.unshadowed).reduce(f64::max).into());
+    row.extend((0..ways.len()).map(|way| Cell::from(errors(subjects, way).reduce(f64::max))));
+    table.push(row);
     table
 }
 
-/// How many subjects reach the goals, and with which fit.
-fn verdict(subjects: &[Subject], counts: &[usize]) -> String {
-    let reached = |limit: f64, fit: &str, counts: &[usize]| {
-        let error = |subject: &&Subject| {
-            let errors = counts.iter().filter_map(|count| subject.errors.get(&(*count, fit)));
-            errors.copied().fold(f64::INFINITY, f64::min) <= limit
-        };
-        subjects.iter().filter(error).count()
-    };
-    let few: Vec<usize> = counts.iter().copied().filter(|count| (60..=80).contains(count)).collect();
-    let words: Vec<String> = fits()
-        .into_iter()
-        .map(|fit| format!("{fit} {} and {}", reached(GOALS[0], fit, &few), reached(GOALS[1], fit, counts)))
+/// The errors of one way, subject by subject, as far as there are any.
+fn errors(subjects: &[Subject], way: usize) -> impl Iterator<Item = f64> {
+    subjects.iter().filter_map(move |subject| subject.errors.get(way).copied().flatten())
+}
+
+/// How many subjects reach the goals, way by way.
+fn verdict(subjects: &[Subject], ways: &[Way]) -> String {
+    let words: Vec<String> = ways
+        .iter()
+        .enumerate()
+        .map(|(place, way)| {
+            let [few, any] = GOALS.map(|goal| errors(subjects, place).filter(|error| *error <= goal).count());
+            format!("{} {few} and {any}", way.name)
+        })
         .collect();
     format!(
-        "Of {} pairs of scene and environment, so many reach the first and the second goal: {}.",
+        "Of {} pairs of scene and environment, so many are off by at most {} and by at most {}: {}.",
         subjects.len(),
+        GOALS[0],
+        GOALS[1],
         words.join("; ")
     )
 }
 
-/// Geometric mean of the error over all subjects against the number of lights.
-fn plot(subjects: &[Subject], counts: &[usize]) -> Plot {
+/// Error of partitions by convolution against the number of lights: geometric mean over all subjects, and the worst.
+fn plot(subjects: &[Subject], ways: &[Way]) -> Plot {
+    let chosen =
+        ways.iter().enumerate().filter(|(_, way)| (way.fit, way.technique) == ("partition", "convolution"));
+    let chosen: Vec<(f64, usize)> =
+        chosen.filter_map(|(place, way)| Some((way.count? as f64, place))).collect();
     let mut plot = Plot::new(
         "maps",
-        "Error against lights, geometric mean over scenes and maps",
-        Axis::logarithmic("lights asked for", "")
-            .with_ticks(counts.iter().map(|&count| count as f64).collect()),
+        "Error against lights: partition, convolution, over scenes and maps",
+        Axis::logarithmic("lights", "").with_ticks(chosen.iter().map(|(count, _)| *count).collect()),
         Axis::logarithmic("relative RMSE", ""),
     );
-    for fit in fits() {
-        let mean = |count: usize| {
-            let logarithms =
-                subjects.iter().filter_map(|subject| Some(subject.errors.get(&(count, fit))?.ln()));
-            let logarithms: Vec<f64> = logarithms.collect();
-            (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()
-        };
-        let points = counts.iter().map(|&count| (count as f64, mean(count))).collect();
-        plot.series.push(Series::new(fit, points));
-    }
+    let mean = |way: usize| {
+        let logarithms: Vec<f64> = errors(subjects, way).map(f64::ln).collect();
+        (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()
+    };
+    let worst = |way: usize| errors(subjects, way).fold(f64::NAN, f64::max);
+    let points = |of: &dyn Fn(usize) -> f64| chosen.iter().map(|(count, way)| (*count, of(*way))).collect();
+    plot.series.push(Series::new("geometric mean", points(&mean)));
+    plot.series.push(Series::new("worst", points(&worst)));
     plot
 }
 
@@ -236,21 +269,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goals_are_counted_by_fit() {
+    fn goals_are_counted_by_way() {
         let subject = |error: f64| Subject {
             scene: "s",
             environment: "e",
             truth: String::new(),
             noise: None,
             unshadowed: 0.2,
-            errors: BTreeMap::from([((60, "disks"), error), ((200, "disks"), 0.5 * error)]),
+            errors: vec![None, Some(error)],
         };
-        let subjects = [subject(0.06), subject(0.04), subject(0.2)];
-        // With 60 lights one is under 0.05; with any number two are under 0.035.
-        assert!(verdict(&subjects, &[60, 200]).contains("disks 1 and 2"));
-        let table = summary(&subjects, 60);
-        assert_eq!(table.rows()[1][3], Cell::Number(0.04));
-        let points = &plot(&subjects, &[60]).series[0].points;
-        assert!((points[0].1 - (0.06 * 0.04 * 0.2_f64).cbrt()).abs() < 1e-12);
+        let subjects = [subject(0.06), subject(0.04), subject(0.03)];
+        let verdict = verdict(&subjects, &WAYS[..2]);
+        assert!(verdict.contains("disks + cells 0 and 0; partition 60 2 and 1"), "{verdict}");
+        let table = summary(&subjects, &WAYS[..2]);
+        assert_eq!(table.rows()[1][3..5], [Cell::Missing, Cell::Number(0.04)]);
+        assert_eq!(table.rows()[3][3..5], [Cell::Missing, Cell::Number(0.06)]);
+        let series = &plot(&subjects, &WAYS[..2]).series;
+        assert!((series[0].points[0].1 - (0.06 * 0.04 * 0.03_f64).cbrt()).abs() < 1e-12);
+        assert_eq!(series[1].points, [(60.0, 0.06)]);
     }
 }

@@ -1,7 +1,9 @@
 //! The evaluation of convolution soft shadows (Annen et al. 2008, section 5), and what this project adds to it.
 
+mod ambient;
 mod common;
 mod cost;
+mod failures;
 mod lights;
 mod maps;
 mod order;
@@ -14,5 +16,13 @@ use crate::Suite;
 pub(crate) const SUITE: Suite = Suite {
     name: "convolution",
     title: "Convolution soft shadows and their rivals (Annen et al. 2008)",
-    experiments: &[&cost::Cost, &rivals::Rivals, &order::Order, &lights::Lights, &maps::Maps],
+    experiments: &[
+        &cost::Cost,
+        &rivals::Rivals,
+        &order::Order,
+        &lights::Lights,
+        &maps::Maps,
+        &ambient::AmbientPart,
+        &failures::Failures,
+    ],
 };

@@ -1,6 +1,7 @@
+use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
 
-use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells};
+use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells, uniform_maps};
 use super::variant::{Drawn, Variant};
 use crate::pictures::shown;
 use crate::timing::interleaved;
@@ -45,10 +46,11 @@ impl Experiment for Order {
 
     fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
         let stage = lab.stage("footbones")?;
-        let lamp = Lamp::new();
+        let lamp = Lamp::over(&stage);
         let size = lab.pick([32, 24], [192, 144], [384, 288]);
         let resolution = lab.pick(32, 256, 512);
-        let setup = Setup { stage: &stage, map: &lamp.map, lights: &lamp.lights, size };
+        let setup = lamp.setup(size);
+        let frame = uniform_maps(resolution);
         lab.tell("order: tracing", 0.0);
         let truth = lab.truth_of_lights(&setup, lab.pick(2, 128, 1024))?;
 
@@ -76,7 +78,7 @@ impl Experiment for Order {
                 let step = (row * orders.len() + column) as f32;
                 lab.tell(&format!("order: M = {order}, {name}"), 0.3 + 0.4 * step / steps);
                 let variant = with_parts(Variant::mip(order), suppression, sharpening);
-                let drawn = Drawn::new(lab, &variant, setup, resolution, "additive", &truth.picture)?;
+                let drawn = Drawn::new(lab, &variant, setup, &frame, &truth.picture)?;
                 let Some(drawn) = drawn else { continue };
                 let comparison = &drawn.comparison;
                 quality.push([
@@ -93,9 +95,9 @@ impl Experiment for Order {
             plot.series.push(Series::new(name, points));
         }
         lab.tell("order: timing", 0.7);
-        let (filters, filter_sheet) = filters(lab, orders, setup, resolution, &truth.picture)?;
+        let (filters, filter_sheet) = filters(lab, orders, setup, &frame, &truth.picture)?;
         let mut paragraphs = vec![format!(
-            "{} triangles, one distant square lamp ten degrees wide, {resolution} x {resolution} map, truth: {}{}. \
+            "{} triangles, one square lamp in the scene, ten degrees wide, {resolution} x {resolution} map, truth: {}{}. \
              Without suppression the kernel's factor that makes up for it is 1.",
             stage.scene.triangle_count(),
             truth.source,
@@ -113,7 +115,7 @@ fn filters(
     lab: &Lab<'_>,
     orders: &[u32],
     setup: Setup<'_>,
-    resolution: u32,
+    frame: &RenderSettings,
     truth: &gnomon_image::RgbImage,
 ) -> Result<(Table, ContactSheet), BenchError> {
     let columns =
@@ -123,7 +125,7 @@ fn filters(
     let mut sheet = ContactSheet::new("order_filters", "Filters", 2);
     let mut drawn = Vec::new();
     for variant in orders.iter().flat_map(|&order| Variant::prefilters(order)) {
-        drawn.extend(Drawn::new(lab, &variant, setup, resolution, "additive", truth)?);
+        drawn.extend(Drawn::new(lab, &variant, setup, frame, truth)?);
     }
     let mut rivals: Vec<_> = drawn.iter_mut().map(|drawn| drawn.renderer.rival()).collect();
     let spreads = interleaved(&mut rivals, &plan(lab, 20.0))?;

@@ -1,11 +1,11 @@
 use gnomon_metrics::Region;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Style, Table, significant};
 
-use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells};
+use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells, uniform_maps};
 use super::variant::{Drawn, Variant};
 use crate::pictures::{compare_within, cropped, difference, shown};
 use crate::timing::interleaved;
-use crate::{BenchError, Experiment, Lab, Setup};
+use crate::{BenchError, Experiment, Lab};
 
 /// Fig. 7: techniques on one light against ray tracing.
 pub(super) struct Rivals;
@@ -29,16 +29,17 @@ impl Experiment for Rivals {
 
     fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
         let stage = lab.stage("buddha")?;
-        let lamp = Lamp::new();
+        let lamp = Lamp::over(&stage);
         let size = lab.pick([32, 24], [256, 192], [512, 384]);
         let resolution = lab.pick(32, 256, 512);
-        let setup = Setup { stage: &stage, map: &lamp.map, lights: &lamp.lights, size };
+        let setup = lamp.setup(size);
+        let frame = uniform_maps(resolution);
         lab.tell("rivals: tracing", 0.0);
         let truth = lab.truth_of_lights(&setup, lab.pick(2, 128, 1024))?;
         lab.tell("rivals: drawing", 0.5);
         let mut drawn = Vec::new();
         for variant in Variant::all() {
-            drawn.extend(Drawn::new(lab, &variant, setup, resolution, "additive", &truth.picture)?);
+            drawn.extend(Drawn::new(lab, &variant, setup, &frame, &truth.picture)?);
         }
         let mut rivals: Vec<_> = drawn.iter_mut().map(|drawn| drawn.renderer.rival()).collect();
         lab.tell("rivals: timing", 0.7);
@@ -87,7 +88,7 @@ impl Experiment for Rivals {
         }
 
         let mut paragraphs = vec![format!(
-            "{} triangles, one distant square lamp ten degrees wide, {resolution} x {resolution} map, {} x {} pixels of 2 x 2 samples. \
+            "{} triangles, one square lamp in the scene, ten degrees wide, {resolution} x {resolution} map, {} x {} pixels of 2 x 2 samples. \
              Truth: {}{}.",
             stage.scene.triangle_count(),
             size[0],

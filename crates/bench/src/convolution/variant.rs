@@ -54,7 +54,7 @@ impl Variant {
             .collect()
     }
 
-    /// A renderer that uses it, with shadow maps of `resolution` texels a side; `None` where the adapter cannot hold it.
+    /// A renderer that uses it, all else as in `frame`; `None` where the adapter cannot hold it.
     ///
     /// # Errors
     /// As [`TimedRenderer::if_it_fits`].
@@ -62,17 +62,12 @@ impl Variant {
         &self,
         lab: &Lab<'a>,
         setup: Setup<'a>,
-        resolution: u32,
-        compositing: &str,
-        profile: bool,
+        frame: &RenderSettings,
     ) -> Result<Option<TimedRenderer<'a>>, BenchError> {
         let settings = RenderSettings {
             shadows: self.technique.to_owned(),
             shadow_settings: self.settings.clone(),
-            shadow_resolution: resolution,
-            compositing: compositing.to_owned(),
-            profile,
-            ..RenderSettings::default()
+            ..frame.clone()
         };
         TimedRenderer::if_it_fits(lab, settings, setup)
     }
@@ -92,11 +87,10 @@ impl<'a> Drawn<'a> {
         lab: &Lab<'a>,
         variant: &Variant,
         setup: Setup<'a>,
-        resolution: u32,
-        compositing: &str,
+        frame: &RenderSettings,
         truth: &RgbImage,
     ) -> Result<Option<Self>, BenchError> {
-        let renderer = variant.renderer(lab, setup, resolution, compositing, false)?;
+        let renderer = variant.renderer(lab, setup, frame)?;
         let Some(mut renderer) = renderer else { return Ok(None) };
         let picture = renderer.picture()?;
         let comparison = compare(&picture, truth, None)?;

@@ -1,0 +1,180 @@
+use gnomon_renderer::RenderSettings;
+use gnomon_report::{Cell, ContactSheet, Panel, Section, Table, significant};
+
+use super::common::{maps_by_footprint, mebibytes, plan, stand_ins};
+use super::variant::{Drawn, Variant};
+use crate::pictures::{difference, shown};
+use crate::timing::{Spread, interleaved};
+use crate::{BenchError, Environment, Experiment, Lab, Setup, Stage};
+
+/// The ambient part gets shadows too: ways to shadow what disks leave over, their error and cost.
+pub(super) struct AmbientPart;
+
+/// Environments at full effort.
+const ENVIRONMENTS: [&str; 7] = ["grace", "stpeters", "galileo", "kitchen", "rnl", "studio", "sunny"];
+
+/// Name in tables, name in the renderer's settings, lights or probes.
+const WAYS: [(&str, &str, usize); 5] = [
+    ("unshadowed", "unshadowed", 32),
+    ("occlusion, 32 probes", "occlusion", 32),
+    ("24 cells", "cells", 24),
+    ("32 cells", "cells", 32),
+    ("48 cells", "cells", 48),
+];
+
+/// What one scene and environment gave, way by way: error, median time [ms], shadow memory [MiB].
+struct Subject {
+    labels: [&'static str; 2],
+    measured: Vec<Option<[f64; 3]>>,
+}
+
+impl Experiment for AmbientPart {
+    fn name(&self) -> &'static str {
+        "ambient"
+    }
+
+    fn title(&self) -> &'static str {
+        "The ambient part gets shadows too"
+    }
+
+    fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
+        let environments = lab.environments(lab.pick(&["grace"], &["stpeters", "rnl"], &ENVIRONMENTS))?;
+        let stages = lab.stages(lab.pick(&["three_boxes"], &["bunny"], &["three_boxes", "bunny"]))?;
+        let size = lab.pick([32, 24], [128, 96], [128, 96]);
+        let resolution = lab.pick(32, 256, 256);
+        let mut subjects = Vec::new();
+        let mut sheets = Vec::new();
+        let steps = (stages.len() * environments.len()).max(1) as f32;
+        for stage in &stages {
+            let title = format!("Picture - truth: {}", stage.name);
+            let columns = WAYS.len() as u32;
+            let mut sheet = ContactSheet::new(format!("ambient_{}", stage.name), title, columns);
+            for environment in &environments {
+                let share = subjects.len() as f32 / steps;
+                lab.tell(&format!("ambient: {}, {}", stage.name, environment.name), share);
+                subjects.push(subject(lab, stage, environment, size, resolution, &mut sheet)?);
+            }
+            sheets.push(sheet);
+        }
+        let (stages, environments): (Vec<&Stage>, Vec<&Environment>) =
+            (stages.iter().map(AsRef::as_ref).collect(), environments.iter().map(AsRef::as_ref).collect());
+        let mut paragraphs = vec![format!(
+            "Disks as many as the fit chooses, {} x {} pixels of 2 x 2 samples, convolution with mip maps and M = 4, shadow maps of \
+             at most {resolution} texels a side and coarser for wider lights. Occlusion multiplies the rest by the share of the sky \
+             that is open; cells are lights that tile the rest, each with its own shadow.",
+            size[0], size[1]
+        )];
+        paragraphs.extend(stand_ins(&stages, &environments));
+        let tables = vec![errors(&subjects), costs(&subjects)];
+        Ok(Section { paragraphs, tables, sheets, ..Section::default() })
+    }
+}
+
+/// Every way for one scene under one environment, timed in turns.
+fn subject(
+    lab: &Lab<'_>,
+    stage: &Stage,
+    environment: &Environment,
+    size: [u32; 2],
+    resolution: u32,
+    sheet: &mut ContactSheet,
+) -> Result<Subject, BenchError> {
+    let truth = lab.truth(stage, environment, size, lab.pick(2, 256, 1024))?;
+    let lights = lab.lights("disks", None, environment)?;
+    let setup = Setup { stage, map: &environment.map, lights: &lights, size };
+    let mut drawn = Vec::new();
+    for (_, ambient, cells) in WAYS {
+        let frame = RenderSettings {
+            ambient: ambient.to_owned(),
+            ambient_cells: cells,
+            ..maps_by_footprint(resolution)
+        };
+        drawn.push(Drawn::new(lab, &Variant::mip(4), setup, &frame, &truth.picture)?);
+    }
+    let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
+    let spreads = interleaved(&mut rivals, &plan(lab, 5.0))?;
+    drop(rivals);
+    let mut spreads = spreads.iter();
+    let mut measured = Vec::new();
+    for ((way, ..), drawn) in WAYS.iter().zip(&drawn) {
+        let Some(drawn) = drawn else {
+            measured.push(None);
+            continue;
+        };
+        let time = spreads.next().map_or(f64::NAN, |spread: &Spread| spread.median);
+        let error = drawn.comparison.relative_rmse;
+        measured.push(Some([error, time, mebibytes(drawn.renderer.shadow_bytes())]));
+        let caption = format!("{}, {way}\nRMSE {}", environment.name, significant(error, 3));
+        sheet.panels.push(Panel::new(caption, difference(&drawn.picture, &truth.picture)?));
+    }
+    if let Some(Some(first)) = drawn.first() {
+        sheet.banner.get_or_insert_with(|| shown(&truth.picture, first.comparison.exposure));
+    }
+    Ok(Subject { labels: [stage.name, environment.name], measured })
+}
+
+/// One row a scene and environment, one column a way.
+fn errors(subjects: &[Subject]) -> Table {
+    let mut columns = vec![("scene", ""), ("environment", "")];
+    columns.extend(WAYS.map(|(name, ..)| (name, "")));
+    let mut table = Table::new("ambient", "Relative RMSE of disks with the ambient rest", &columns);
+    for subject in subjects {
+        let mut row: Vec<Cell> = subject.labels.map(Cell::from).into();
+        row.extend(subject.measured.iter().map(|way| Cell::from(way.map(|[error, ..]| error))));
+        table.push(row);
+    }
+    table
+}
+
+/// One row a way: errors, time and memory over all subjects.
+fn costs(subjects: &[Subject]) -> Table {
+    let columns = [
+        ("ambient", ""),
+        ("relative RMSE, mean", ""),
+        ("relative RMSE, worst", ""),
+        ("frame, mean of medians", "ms"),
+        ("times the unshadowed", ""),
+        ("shadow memory, mean", "MiB"),
+    ];
+    let mut table = Table::new("ambient_cost", "Error and cost over all scenes and environments", &columns);
+    let of = |way: usize, what: usize| -> Vec<f64> {
+        subjects.iter().filter_map(|subject| Some(subject.measured.get(way).copied()??[what])).collect()
+    };
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let unshadowed = mean(&of(0, 1));
+    for (way, (name, ..)) in WAYS.iter().enumerate() {
+        let time = mean(&of(way, 1));
+        table.push([
+            Cell::from(*name),
+            mean(&of(way, 0)).into(),
+            of(way, 0).into_iter().reduce(f64::max).into(),
+            time.into(),
+            (time / unshadowed).into(),
+            mean(&of(way, 2)).into(),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_and_ratios_of_known_figures() {
+        let subject = |scale: f64| Subject {
+            labels: ["scene", "map"],
+            measured: vec![Some([0.1 * scale, 2.0, 3.0]), Some([0.05, 6.0, 9.0]), None, None, None],
+        };
+        let table = costs(&[subject(1.0), subject(3.0)]);
+        let number = |row: usize, column: usize| match table.rows()[row][column] {
+            Cell::Number(number) => number,
+            _ => f64::NAN,
+        };
+        assert!((number(0, 1) - 0.2).abs() < 1e-12 && (number(0, 2) - 0.3).abs() < 1e-12);
+        assert!((number(1, 4) - 3.0).abs() < 1e-12 && (number(1, 5) - 9.0).abs() < 1e-12);
+        // Where nothing fitted, nothing is claimed.
+        assert_eq!(table.rows()[2][2], Cell::Missing);
+        assert_eq!(errors(&[subject(1.0)]).rows()[0][4], Cell::Missing);
+    }
+}
