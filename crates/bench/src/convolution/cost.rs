@@ -77,7 +77,7 @@ impl Experiment for Cost {
     fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
         let stage = lab.stage("buddha")?;
         let environment = lab.environment("rnl")?;
-        let size = lab.pick([32, 24], [256, 192], [512, 384]);
+        let size = lab.pick([32, 24], [128, 96], [512, 384]);
         let resolutions: &[u32] = lab.pick(&[16, 32], &[128, 256, 512], &[128, 256, 512, 1024]);
         let counts: &[usize] = lab.pick(&[1, 6], &[1, 10, 20, 40], &[1, 10, 20, 40]);
         lab.tell("cost: tracing", 0.0);
