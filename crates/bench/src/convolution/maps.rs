@@ -149,11 +149,11 @@ impl Scenery<'_, '_> {
             let lights = self.lab.lights(way.fit, way.count, self.environment)?;
             let setup =
                 Setup { stage: self.stage, map: &self.environment.map, lights: &lights, size: self.size };
-            if subject.unshadowed.is_nan() {
-                if let Some(none) = Drawn::new(self.lab, &Variant::technique("none"), setup, &frame, truth)? {
-                    subject.unshadowed = none.comparison.relative_rmse;
-                    all.push(self.row("no shadows", lights.lights.len(), &none));
-                }
+            if subject.unshadowed.is_nan()
+                && let Some(none) = Drawn::new(self.lab, &Variant::technique("none"), setup, &frame, truth)?
+            {
+                subject.unshadowed = none.comparison.relative_rmse;
+                all.push(self.row("no shadows", lights.lights.len(), &none));
             }
             let variant = if way.technique == "convolution" {
                 Variant::mip(4)
