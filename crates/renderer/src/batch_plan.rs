@@ -57,7 +57,7 @@ pub(crate) struct Budget<'a> {
 /// Divides lights with maps of `resolutions` into batches within `budget`. Batches of a class are of even length.
 ///
 /// # Errors
-/// [`RenderError::OverLimit`] if one light of every class is more than the budget.
+/// [`RenderError::OverBudget`] if one light of every class is more than the budget.
 pub(crate) fn plan(resolutions: &[u32], budget: &Budget<'_>) -> Result<Vec<Class>, RenderError> {
     let mut sizes = resolutions.to_vec();
     sizes.sort_unstable();
@@ -73,7 +73,7 @@ pub(crate) fn plan(resolutions: &[u32], budget: &Budget<'_>) -> Result<Vec<Class
     };
     let least: u64 = sizes.iter().map(|&size| bytes(size)).sum();
     if least > budget.bytes {
-        return Err(over("bytes of shadow maps for one light of each size", least, budget.bytes));
+        return Err(RenderError::OverBudget { wanted: least, budget: budget.bytes });
     }
     if budget.lights_per_class == 0 {
         return Err(over("layers of one light's shadow maps", 1, 0));
@@ -135,8 +135,15 @@ mod tests {
 
     #[test]
     fn a_budget_below_one_light_is_an_error_that_says_both() {
-        let error = planned(&[64, 128], 191, 16).unwrap_err().to_string();
-        assert!(error.contains("192") && error.contains("191"), "{error}");
+        let bytes_per_light = |size: u32| u64::from(size) << 20;
+        let budget = Budget {
+            bytes_per_light: &bytes_per_light,
+            bytes: 191 << 20,
+            lights_per_class: 16,
+            adapter: "test",
+        };
+        let error = plan(&[64, 128], &budget).unwrap_err().to_string();
+        assert!(error.contains("192 MiB") && error.contains("191 MiB"), "{error}");
     }
 
     #[test]

@@ -59,6 +59,19 @@ pub enum RenderError {
         /// Adapter name.
         adapter: String,
     },
+    /// The shadow maps of a single light of each size are more than [`crate::RenderSettings::shadow_memory_bytes`].
+    #[error(
+        "shadow maps of one light of each size take {} MiB and the budget is {} MiB: raise the shadow memory or lower the shadow \
+         resolution",
+        wanted.div_ceil(1 << 20),
+        budget >> 20
+    )]
+    OverBudget {
+        /// Bytes needed at least.
+        wanted: u64,
+        /// Bytes there are.
+        budget: u64,
+    },
     /// The GPU reported a fault while it worked.
     #[error("the graphics device failed: {0}")]
     Device(String),
