@@ -8,6 +8,9 @@ use crate::bounds::InstanceBox;
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
 pub(crate) const MARGIN_TEXELS: f32 = 2.0;
 
+/// Widest margin for penumbrae around the models, as a share of their width in the map.
+const MAX_PENUMBRA_MARGIN: f32 = 0.25;
+
 /// Variance, in squared texels of its level, of a bilinear lookup in the mip chain: 1/4 from the chain's kernel
 /// [1 3 3 1] / 8 and 1/6 on average from the interpolation.
 pub(crate) const LOOKUP_VARIANCE: f32 = 1.0 / 4.0 + 1.0 / 6.0;
@@ -58,8 +61,17 @@ fn extent(light: &DistantLight, boxes: &[InstanceBox]) -> Extent {
         held = corners.concat();
     }
     let (tangent, bitangent, direction) = (light.tangent, light.bitangent, light.direction);
-    let (min, max) = bounds(held.iter().map(|p| Vec3::new(tangent.dot(*p), bitangent.dot(*p), 0.0)))
+    let (mut min, mut max) = bounds(held.iter().map(|p| Vec3::new(tangent.dot(*p), bitangent.dot(*p), 0.0)))
         .unwrap_or((Vec3::ZERO, Vec3::ONE));
+    // Where receivers lie outside the map: around the models' outline is half a penumbra, as wide as the models are deep, and no
+    // wider than leaves them their texels.
+    if held.len() < corners.iter().map(Vec::len).sum() {
+        let (front, back) = range_of(held.iter().map(|p| direction.dot(*p))).unwrap_or((0.0, 0.0));
+        let penumbra = (light.tan_half_extent() * (back - front)).extend(0.0);
+        let penumbra = penumbra.min(MAX_PENUMBRA_MARGIN * (max - min));
+        min -= penumbra;
+        max += penumbra;
+    }
 
     let depths = |axis: Vec3| {
         let (mut near, mut far) = range_of(held.iter().map(|p| axis.dot(*p))).unwrap_or((0.0, 1.0));
