@@ -80,7 +80,7 @@ fn render_is_near_the_reference_and_without_shadows_it_is_not() {
     );
     let passes: Vec<&str> =
         stats["passes"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
-    assert!(passes.contains(&"shadow maps") && passes.contains(&"shade"), "{passes:?}");
+    assert!(passes.contains(&"shadow maps") && passes.contains(&"light"), "{passes:?}");
     assert!(stats["frame_milliseconds"].as_f64().unwrap() > 0.0);
     assert!(stats["adapter"]["name"].is_string());
 }

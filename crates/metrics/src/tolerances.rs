@@ -63,6 +63,12 @@ pub const SHADOW_EDGE_TEXELS: f32 = 1.0;
 /// Visibility far inside a shadow, and what it lacks of 1 in full light, for techniques that are exact there but for rounding.
 pub const UMBRA: f32 = 0.01;
 
+/// Share by which the error of a picture may grow where lights are summed at a sixteenth of its samples.
+pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
+
+/// What may cross a depth or normal edge of a coarse shadow buffer, as a share of the light beside it.
+pub const SAMPLING_BLEED: f32 = 0.01;
+
 /// Irradiance of an area light in the scene on an open plane against the closed form, relative.
 pub const OPEN_PLANE_IRRADIANCE: f32 = 0.01;
 

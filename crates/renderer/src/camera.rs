@@ -7,6 +7,8 @@ pub(crate) struct CameraMatrices {
     pub world_from_clip: Mat4,
     /// Eye position and 1, or direction to the viewer and 0.
     pub eye_world: Vec4,
+    /// Width of what is seen [m], in perspective at a distance of 1 m.
+    pub view_width: f32,
 }
 
 impl CameraMatrices {
@@ -14,7 +16,7 @@ impl CameraMatrices {
         let camera_from_world = camera.world_from_camera.inverse();
         let (center, radius) = bounds.map_or((Vec3::ZERO, 1.0), |b| (b.center(), b.radius()));
         let distance = (camera.eye() - center).length() + radius;
-        let (clip_from_camera, eye_world) = match camera.projection {
+        let (clip_from_camera, eye_world, view_width) = match camera.projection {
             Projection::Perspective { fov_x } => {
                 let focal = 1.0 / (0.5 * fov_x).tan();
                 let near = (1e-3 * distance).max(1e-6);
@@ -24,7 +26,7 @@ impl CameraMatrices {
                     Vec4::new(0.0, 0.0, 0.0, -1.0),
                     Vec4::new(0.0, 0.0, near, 0.0),
                 );
-                (matrix, camera.eye().extend(1.0))
+                (matrix, camera.eye().extend(1.0), 2.0 / focal)
             }
             Projection::Orthographic { half_width } => {
                 // Far is depth 0, which stands for the background: keep the scene nearer than that.
@@ -35,11 +37,12 @@ impl CameraMatrices {
                     Vec4::new(0.0, 0.0, 1.0 / range, 0.0),
                     Vec4::new(0.0, 0.0, 1.0, 1.0),
                 );
-                (matrix, camera.world_from_camera.z_axis.truncate().normalize().extend(0.0))
+                let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+                (matrix, to_viewer.extend(0.0), 2.0 * half_width)
             }
         };
         let clip_from_world = clip_from_camera * camera_from_world;
-        Self { clip_from_world, world_from_clip: clip_from_world.inverse(), eye_world }
+        Self { clip_from_world, world_from_clip: clip_from_world.inverse(), eye_world, view_width }
     }
 }
 

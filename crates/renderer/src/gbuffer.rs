@@ -1,4 +1,4 @@
-use crate::bindings::Binding;
+use crate::bindings::{Binding, D2};
 use crate::depth_maps::DEPTH_FORMAT;
 use crate::geometry::Geometry;
 use crate::materials::Materials;
@@ -10,35 +10,47 @@ const COLOR_COUNT: usize = 4;
 
 /// Textures of `gbuffer.wgsl`'s outputs, one texel a sample.
 pub(crate) struct GBuffer {
-    pub depth: wgpu::TextureView,
-    pub colors: Vec<wgpu::TextureView>,
+    depth: wgpu::TextureView,
+    colors: Vec<wgpu::TextureView>,
+    /// Bind group 1 of the passes over the screen.
+    pub group: wgpu::BindGroup,
 }
 
-impl GBuffer {
-    pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
+impl GBufferPass {
+    /// Textures for a picture of so many samples.
+    pub fn target(&self, gpu: &Gpu, [width, height]: [u32; 2]) -> GBuffer {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let target = |label, format| {
             gpu.texture(label, [width, height, 1], 1, format, usage).create_view(&Default::default())
         };
-        Self {
-            depth: target("gbuffer depth", DEPTH_FORMAT),
-            colors: (0..COLOR_COUNT).map(|_| target("gbuffer", COLOR_FORMAT)).collect(),
-        }
+        let depth = target("gbuffer depth", DEPTH_FORMAT);
+        let colors: Vec<_> = (0..COLOR_COUNT).map(|_| target("gbuffer", COLOR_FORMAT)).collect();
+        let views = std::iter::once(&depth).chain(&colors);
+        let bound: Vec<_> =
+            (0..).zip(views).map(|(i, view)| (i, wgpu::BindingResource::TextureView(view))).collect();
+        let group = gpu.bind_group("gbuffer", &self.read_layout, &bound);
+        GBuffer { depth, colors, group }
     }
 }
 
 /// Draws what the camera sees.
 pub(crate) struct GBufferPass {
     pub material_layout: wgpu::BindGroupLayout,
-    view_layout: wgpu::BindGroupLayout,
+    /// Of the frame's view alone.
+    pub view_layout: wgpu::BindGroupLayout,
+    /// Of what it draws, for the passes over the screen.
+    pub read_layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
 }
 
 impl GBufferPass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let material_layout = crate::materials::material_layout(gpu);
-        let view_layout =
-            gpu.layout("gbuffer view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[(0, Binding::Uniform)]);
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let view_layout = gpu.layout("view", stages, &[(0, Binding::Uniform)]);
+        let mut read = vec![(0, Binding::Depth { dimension: D2 })];
+        read.extend((1..).zip([Binding::LOADED; COLOR_COUNT]));
+        let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
         let module = gpu.shader("gbuffer", &[])?;
         let attribute = |array_stride, attributes| {
             Some(wgpu::VertexBufferLayout {
@@ -80,12 +92,12 @@ impl GBufferPass {
             multiview_mask: None,
             cache: None,
         });
-        Ok(Self { material_layout, view_layout, pipeline })
+        Ok(Self { material_layout, view_layout, read_layout, pipeline })
     }
 
     /// Bind group 0 over the frame's view uniform.
     pub fn view_group(&self, gpu: &Gpu, view: &wgpu::Buffer) -> wgpu::BindGroup {
-        gpu.bind_group("gbuffer view", &self.view_layout, &[(0, view.as_entire_binding())])
+        gpu.bind_group("view", &self.view_layout, &[(0, view.as_entire_binding())])
     }
 
     pub fn encode(

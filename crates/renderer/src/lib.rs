@@ -1,14 +1,15 @@
 //! Real-time renderer: a scene under an [`gnomon_lights::LightSet`], every light with soft shadows, nothing precomputed on the scene.
 //!
 //! One frame: `transform` brings vertices to world space; `shadow maps` draws the scene's depth from every light;
-//! `shadow filter` makes the shadow technique's images of them; `gbuffer` draws what the camera sees; `shade` lights
-//! every sample in compute; `resolve` filters samples to pixels and tone-maps them.
+//! `shadow filter` makes the shadow technique's images of them; `gbuffer` draws what the camera sees; `points` lists
+//! the samples that are lit; `light` sums the lights there; `compose` makes every sample's radiance of the sums; `resolve` filters samples to pixels and tone-maps them.
 
 pub mod ambient;
 mod batch_plan;
 mod bindings;
 mod bounds;
 mod camera;
+mod compose;
 pub mod composite;
 mod depth_maps;
 mod error;
@@ -16,6 +17,7 @@ mod gbuffer;
 mod geometry;
 mod gpu;
 mod light_frame;
+mod light_pass;
 mod lighting;
 mod materials;
 mod near_light_frame;
@@ -23,7 +25,7 @@ mod readback;
 mod recorder;
 mod renderer;
 mod resolve;
-mod shade;
+mod shading_points;
 pub mod shadow;
 mod shadow_batches;
 #[cfg(test)]

@@ -8,15 +8,17 @@ use gnomon_shaders::layout;
 use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
 use crate::camera::CameraMatrices;
-use crate::composite::{self, Compositing};
+use crate::compose::{ComposePass, RADIANCE_FORMAT};
+use crate::composite;
 use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
+use crate::light_pass::{self, LightPass};
 use crate::lighting::Lighting;
 use crate::materials::Materials;
 use crate::recorder::{PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
-use crate::shade::{RADIANCE_FORMAT, ShadeLayouts, ShadePass};
+use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::{self, ShadowSettings, ShadowTechnique};
 use crate::shadow_batches::ShadowBatches;
 use crate::{Gpu, RenderError};
@@ -44,6 +46,9 @@ pub struct RenderSettings {
     pub compositing: String,
     /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
     pub samples: u32,
+    /// Samples along the side of a tile of the shadow buffer, 1, 2, 4, 8, 16 or 32: lights are summed once a tile, and wherever a
+    /// sample is unlike the tiles around it (DeCoro and Rusinkiewicz 2008, section 3.2).
+    pub shadow_sampling: u32,
     /// Stops of exposure of the displayed picture.
     pub exposure_ev: f32,
     /// Tone mapping of the displayed picture.
@@ -67,6 +72,7 @@ impl Default for RenderSettings {
             ambient_cells: 32,
             compositing: "ratio".to_owned(),
             samples: 2,
+            shadow_sampling: 2,
             exposure_ev: 0.0,
             tone_mapping: ToneMapping::default(),
             background: true,
@@ -91,7 +97,6 @@ pub struct Renderer<'gpu> {
     settings: RenderSettings,
     technique: &'static dyn ShadowTechnique,
     ambient: &'static Ambient,
-    compositing: &'static Compositing,
     passes: Passes,
     geometry: Geometry,
     materials: Materials,
@@ -107,7 +112,9 @@ struct Passes {
     transform: TransformPass,
     shadow_map: ShadowMapPass,
     gbuffer: GBufferPass,
-    shade_layouts: ShadeLayouts,
+    points: ShadingPointsPass,
+    frame_layout: wgpu::BindGroupLayout,
+    compose: ComposePass,
     resolve: ResolvePass,
 }
 
@@ -116,16 +123,15 @@ struct Lit {
     lighting: Lighting,
     batches: ShadowBatches,
     frame_groups: Vec<wgpu::BindGroup>,
-    shade: ShadePass,
+    environment_group: wgpu::BindGroup,
+    light: LightPass,
 }
 
 /// What depends on the picture's size.
 struct Target {
     size: [u32; 2],
-    /// Whether several batches can sum their light.
-    sums: bool,
     gbuffer: GBuffer,
-    gbuffer_group: wgpu::BindGroup,
+    points: ShadingPoints,
     sample_group: wgpu::BindGroup,
     output: Output,
 }
@@ -162,11 +168,28 @@ impl<'gpu> Renderer<'gpu> {
         let ambient = ambient::by_name(&settings.ambient)?;
         check_range("cells of the ambient rest", settings.ambient_cells, 6..=4096)?;
         let compositing = composite::by_name(&settings.compositing)?;
+        check_range(
+            "samples along the side of a tile of the shadow buffer",
+            settings.shadow_sampling,
+            1..=32,
+        )?;
+        if !settings.shadow_sampling.is_power_of_two() {
+            return Err(RenderError::OutOfRange {
+                what: "samples along the side of a tile of the shadow buffer",
+                range: "a power of two".to_owned(),
+                value: settings.shadow_sampling.to_string(),
+            });
+        }
+        let gbuffer = GBufferPass::new(gpu)?;
+        let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
+        let compose = ComposePass::new(gpu, &gbuffer.read_layout, &points.compose_layout, compositing)?;
         let passes = Passes {
             transform: TransformPass::new(gpu)?,
             shadow_map: ShadowMapPass::new(gpu)?,
-            gbuffer: GBufferPass::new(gpu)?,
-            shade_layouts: ShadeLayouts::new(gpu),
+            gbuffer,
+            points,
+            frame_layout: light_pass::frame_layout(gpu),
+            compose,
             resolve: ResolvePass::new(gpu)?,
         };
         let scene = Scene::default();
@@ -180,7 +203,6 @@ impl<'gpu> Renderer<'gpu> {
             gpu,
             technique,
             ambient,
-            compositing,
             geometry: Geometry::new(gpu, &passes.transform, &scene)?,
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
             passes,
@@ -255,15 +277,16 @@ impl<'gpu> Renderer<'gpu> {
             &lighting,
             &self.near_lights,
         )?;
-        let shade = ShadePass::new(
-            gpu,
-            &passes.shade_layouts,
-            technique.module(&self.settings.shadow_settings),
+        let groups = [
+            Some(&passes.frame_layout),
+            Some(&passes.gbuffer.read_layout),
             batches.shadow_layout(),
-            self.compositing,
-        )?;
-        let frame_groups = batches.frame_groups(gpu, &passes.shade_layouts, &self.view, &lighting);
-        self.lighting = Some(Lit { lighting, batches, frame_groups, shade });
+            Some(&passes.points.light_layout),
+        ];
+        let light = LightPass::new(gpu, technique.module(&self.settings.shadow_settings), groups)?;
+        let frame_groups = batches.frame_groups(gpu, &passes.frame_layout, &self.view);
+        let environment_group = passes.compose.environment_group(gpu, &self.view, &lighting);
+        self.lighting = Some(Lit { lighting, batches, frame_groups, environment_group, light });
         Ok(())
     }
 
@@ -304,10 +327,8 @@ impl<'gpu> Renderer<'gpu> {
         let largest = gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
         check_range("picture width", width, 1..=largest)?;
         check_range("picture height", height, 1..=largest)?;
-        let sums = self.lighting.as_ref().is_some_and(|lit| lit.batches.len() > 1);
-        if self.target.as_ref().is_none_or(|target| target.size != [width, height] || (sums && !target.sums))
-        {
-            self.target = Some(self.new_target([width, height], sums)?);
+        if self.target.as_ref().is_none_or(|target| target.size != [width, height]) {
+            self.target = Some(self.new_target([width, height])?);
         }
         let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
@@ -327,14 +348,21 @@ impl<'gpu> Renderer<'gpu> {
             &self.materials,
         );
         recorder.end_pass("gbuffer")?;
+        let gbuffer_group = &target.gbuffer.group;
+        self.passes.points.encode(&mut recorder, &target.points, &self.view_group, gbuffer_group);
+        recorder.end_pass("points")?;
         lit.batches.encode(
             &mut recorder,
-            (&self.passes.shadow_map, &lit.shade),
+            (&self.passes.shadow_map, &lit.light),
             &self.geometry,
             &lit.frame_groups,
-            [&target.gbuffer_group, &target.sample_group],
-            sample_size,
+            gbuffer_group,
+            &target.points,
         )?;
+        let groups =
+            [&lit.environment_group, gbuffer_group, &target.points.compose_group, &target.sample_group];
+        self.passes.compose.encode(&mut recorder, groups, sample_size);
+        recorder.end_pass("compose")?;
         self.passes.resolve.encode(
             &mut recorder,
             &target.output,
@@ -356,7 +384,11 @@ impl<'gpu> Renderer<'gpu> {
             eye_world: matrices.eye_world.to_array(),
             size: [width, height],
             flags: if self.settings.background { layout::FLAG_BACKGROUND } else { 0 },
-            padding: 0,
+            shadow_sampling: self.settings.shadow_sampling,
+            sample_extent: matrices.view_width / width as f32,
+            padding_0: 0.0,
+            padding_1: 0.0,
+            padding_2: 0.0,
             residual_sh: lit.lighting.residual_sh,
         };
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
@@ -364,34 +396,20 @@ impl<'gpu> Renderer<'gpu> {
         lit.batches.write_lights(self.gpu, &lit.lighting, &self.near_lights, &self.geometry.boxes, offset);
     }
 
-    fn new_target(&self, size: [u32; 2], sums: bool) -> Result<Target, RenderError> {
+    fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
         let gpu = self.gpu;
         let sample_size = size.map(|side| side * self.settings.samples);
-        let gbuffer = GBuffer::new(gpu, sample_size);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
         let [width, height] = sample_size;
         let samples = gpu
             .texture("samples", [width, height, 1], 1, RADIANCE_FORMAT, usage)
             .create_view(&Default::default());
-        let sum_count = if sums { u64::from(width) * u64::from(height) } else { 1 };
-        let sum_bytes = sum_count * size_of::<layout::LightSums>() as u64;
-        let largest = gpu.device.limits().max_storage_buffer_binding_size;
-        if sum_bytes > largest {
-            return Err(RenderError::OverLimit {
-                what: "bytes to sum the light of several batches at every sample",
-                wanted: sum_bytes,
-                limit: largest,
-                adapter: gpu.adapter().name.clone(),
-            });
-        }
-        let light_sums = gpu.empty_buffer("light sums", sum_bytes, wgpu::BufferUsages::STORAGE);
         Ok(Target {
             size,
-            sums,
-            gbuffer_group: self.passes.shade_layouts.gbuffer_group(gpu, &gbuffer),
-            sample_group: self.passes.shade_layouts.output_group(gpu, &samples, &light_sums),
+            gbuffer: self.passes.gbuffer.target(gpu, sample_size),
+            points: self.passes.points.points(gpu, sample_size, self.settings.shadow_sampling)?,
+            sample_group: self.passes.compose.output_group(gpu, &samples),
             output: self.passes.resolve.output(gpu, &samples, size),
-            gbuffer,
         })
     }
 }

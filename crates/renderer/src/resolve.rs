@@ -2,8 +2,8 @@ use gnomon_image::tonemap::ToneMapping;
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2};
+use crate::compose::RADIANCE_FORMAT;
 use crate::recorder::Recorder;
-use crate::shade::RADIANCE_FORMAT;
 use crate::{Gpu, RenderError};
 
 const DISPLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

@@ -7,10 +7,11 @@ use crate::bounds::InstanceBox;
 use crate::depth_maps::{DepthMaps, ShadowMapPass};
 use crate::geometry::Geometry;
 use crate::light_frame::{footprint, light_uniform};
+use crate::light_pass::{self, LightPass};
 use crate::lighting::Lighting;
 use crate::near_light_frame::near_light_uniform;
 use crate::recorder::Recorder;
-use crate::shade::{ShadeLayouts, ShadePass};
+use crate::shading_points::ShadingPoints;
 use crate::shadow::{ShadowResources, ShadowTechnique};
 use crate::{Gpu, RenderError, RenderSettings};
 
@@ -97,14 +98,13 @@ impl ShadowBatches {
             },
         )?;
         if planned.is_empty() {
-            // Without lights there is still one pass, for the ambient light.
+            // Without lights there is still one pass, which clears the sums.
             planned.push(crate::batch_plan::Class { resolution: 1, capacity: 0, batches: vec![Vec::new()] });
         }
 
         let bytes = planned.iter().map(|c| u64::from(c.capacity) * bytes_per_light(c.resolution)).sum();
-        let count: usize = planned.iter().map(|class| class.batches.len()).sum();
         let mut classes = Vec::with_capacity(planned.len());
-        let mut batches: Vec<Batch> = Vec::with_capacity(count);
+        let mut batches: Vec<Batch> = Vec::new();
         for (index, class) in planned.into_iter().enumerate() {
             let maps = if with_maps { class.capacity } else { 0 };
             let depth_maps = DepthMaps::new(gpu, maps, class.resolution);
@@ -114,8 +114,7 @@ impl ShadowBatches {
                 let place = batches.len();
                 let perspective =
                     members.iter().map(|&i| with_maps && matches!(all[i], Member::Near(_))).collect();
-                let (first, last) = (place == 0, place + 1 == count);
-                batches.push(Batch::new(gpu, pass, index, members, perspective, [first, last]));
+                batches.push(Batch::new(gpu, pass, index, members, perspective, place == 0));
             }
         }
         Ok(Self { classes, batches, bytes })
@@ -140,11 +139,10 @@ impl ShadowBatches {
     pub fn frame_groups(
         &self,
         gpu: &Gpu,
-        layouts: &ShadeLayouts,
+        layout: &wgpu::BindGroupLayout,
         view: &wgpu::Buffer,
-        lighting: &Lighting,
     ) -> Vec<wgpu::BindGroup> {
-        self.batches.iter().map(|batch| layouts.frame_group(gpu, view, batch, lighting)).collect()
+        self.batches.iter().map(|batch| light_pass::frame_group(gpu, layout, view, batch)).collect()
     }
 
     /// Fits every light's map around the scene as it stands in this frame.
@@ -172,17 +170,17 @@ impl ShadowBatches {
         }
     }
 
-    /// Draws, filters and shades batch after batch; `groups` are bind groups 1 and 3 of the shading pass.
+    /// Draws and filters maps and sums light batch after batch.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
-        passes: (&ShadowMapPass, &ShadePass),
+        passes: (&ShadowMapPass, &LightPass),
         geometry: &Geometry,
         frame_groups: &[wgpu::BindGroup],
-        [gbuffer_group, output_group]: [&wgpu::BindGroup; 2],
-        sample_size: [u32; 2],
+        gbuffer_group: &wgpu::BindGroup,
+        points: &ShadingPoints,
     ) -> Result<(), RenderError> {
-        let (shadow_map, shade) = passes;
+        let (shadow_map, light) = passes;
         for (batch, frame_group) in self.batches.iter().zip(frame_groups) {
             let class = &self.classes[batch.class];
             let (maps, group) = (&class.depth_maps, &batch.lights_group);
@@ -190,9 +188,8 @@ impl ShadowBatches {
             recorder.end_pass("shadow maps")?;
             class.shadows.encode(recorder, maps.capacity.min(batch.members.len() as u32));
             recorder.end_pass("shadow filter")?;
-            let groups = [frame_group, gbuffer_group, class.shadows.bind_group(), output_group];
-            shade.encode(recorder, groups, sample_size);
-            recorder.end_pass("shade")?;
+            light.encode(recorder, [frame_group, gbuffer_group, class.shadows.bind_group()], points);
+            recorder.end_pass("light")?;
         }
         Ok(())
     }
@@ -205,17 +202,16 @@ impl Batch {
         class: usize,
         members: Vec<usize>,
         perspective: Vec<bool>,
-        [first, last]: [bool; 2],
+        first: bool,
     ) -> Self {
         let lights = gpu.empty_buffer(
             "lights",
             size_of::<layout::Light>() as u64 * u64::from(layout::MAX_BATCH_LIGHTS),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
-        let flag = |on, flag| if on { flag } else { 0 };
         let parameters = layout::Batch {
             light_count: members.len() as u32,
-            flags: flag(first, layout::FLAG_FIRST) | flag(last, layout::FLAG_LAST),
+            flags: if first { layout::FLAG_FIRST } else { 0 },
             padding_0: 0,
             padding_1: 0,
         };

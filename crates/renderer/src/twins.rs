@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
-use gnomon_shaders::twin::{depth_moments, math, sample_pattern, series};
+use gnomon_shaders::twin::{depth_moments, math, resample, sample_pattern, series};
 
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
@@ -129,6 +129,16 @@ fn equirect_mapping() {
             uv.extend(0.0).extend(0.0)
         },
     );
+}
+
+#[test]
+fn resampling() {
+    let input = |u: Vec4, _| {
+        [Vec4::new(3.0 * u.x - 1.5, 3.0 * u.y - 1.5, 2.0 * u.z - 1.0, 2.0 * u.w - 1.0), Vec4::ZERO]
+    };
+    compare("resample", "vec4f(resample_weight(a.xy, a.z, a.w), 0.0, 0.0, 0.0)", 1e-5, input, |[a, _]| {
+        scalar(resample::resample_weight(Vec2::new(a.x, a.y), a.z, a.w))
+    });
 }
 
 #[test]

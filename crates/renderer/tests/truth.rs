@@ -116,7 +116,8 @@ fn goldens() {
         let set =
             gnomon_lights::fit::by_name(method, &FitOptions { light_count: Some(16), ..Default::default() });
         let set = set.unwrap().fit(&map).unwrap();
-        let settings = RenderSettings { compositing: compositing.to_owned(), ..Default::default() };
+        let settings =
+            RenderSettings { compositing: compositing.to_owned(), shadow_sampling: 1, ..Default::default() };
         let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], [96, 72]);
         let name = format!("{scene_name}_{environment}_{method}_{compositing}.exr");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(&name);

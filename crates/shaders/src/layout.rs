@@ -25,8 +25,6 @@ pub const ROLE_PROBE: u32 = 1;
 pub const MAX_BATCH_LIGHTS: u32 = 160;
 /// [`Batch::flags`]: nothing has been summed before.
 pub const FLAG_FIRST: u32 = 1;
-/// [`Batch::flags`]: nothing is to be summed after.
-pub const FLAG_LAST: u32 = 2;
 /// [`View::flags`]: draw the environment behind the scene.
 pub const FLAG_BACKGROUND: u32 = 1;
 
@@ -38,7 +36,11 @@ pub struct View {
     pub eye_world: [f32; 4],
     pub size: [u32; 2],
     pub flags: u32,
-    pub padding: u32,
+    pub shadow_sampling: u32,
+    pub sample_extent: f32,
+    pub padding_0: f32,
+    pub padding_1: f32,
+    pub padding_2: f32,
     pub residual_sh: [[f32; 4]; 9],
 }
 
@@ -75,6 +77,15 @@ pub struct Batch {
     pub flags: u32,
     pub padding_0: u32,
     pub padding_1: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ShadingPoint {
+    pub position_world: [f32; 3],
+    pub sample: u32,
+    pub normal: [f32; 3],
+    pub padding: u32,
 }
 
 #[repr(C)]

@@ -41,26 +41,32 @@ macro_rules! sources {
 const MODULES: &[(&str, &str)] = sources![
     "basis",
     "brdf_ggx",
+    "compose",
     "composite_additive",
     "composite_ratio",
     "composite_subtractive",
     "convolution_visibility",
     "depth_moments",
     "downsample",
+    "environment",
     "equirect_texture",
     "form_factor",
     "frame",
     "gbuffer",
+    "gbuffer_surface",
+    "light",
     "light_outline",
     "light_shading",
     "math",
     "moments",
     "receiver_plane",
+    "resample",
     "resolve",
     "sample_pattern",
     "series",
     "sh",
-    "shade",
+    "shading_points",
+    "shadow_buffer",
     "shadow_convolution",
     "shadow_convolution_anisotropic",
     "shadow_convolution_sat",
@@ -76,35 +82,38 @@ const MODULES: &[(&str, &str)] = sources![
     "tonemap",
     "transform",
     "types",
+    "view",
 ];
 
 /// Every module that the renderer makes a pipeline of.
 pub const ENTRIES: &[Entry] = &[
     Entry { module: "basis", slots: &[] },
+    Entry {
+        module: "compose",
+        slots: &[("composite", &["composite_additive", "composite_subtractive", "composite_ratio"])],
+    },
     Entry { module: "downsample", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
+    Entry {
+        module: "light",
+        slots: &[(
+            "shadow",
+            &[
+                "shadow_none",
+                "shadow_hard",
+                "shadow_hard_linear",
+                "shadow_pcf",
+                "shadow_pcss",
+                "shadow_moments",
+                "shadow_convolution",
+                "shadow_convolution_anisotropic",
+                "shadow_convolution_sat",
+            ],
+        )],
+    },
     Entry { module: "moments", slots: &[] },
     Entry { module: "resolve", slots: &[] },
-    Entry {
-        module: "shade",
-        slots: &[
-            (
-                "shadow",
-                &[
-                    "shadow_none",
-                    "shadow_hard",
-                    "shadow_hard_linear",
-                    "shadow_pcf",
-                    "shadow_pcss",
-                    "shadow_moments",
-                    "shadow_convolution",
-                    "shadow_convolution_anisotropic",
-                    "shadow_convolution_sat",
-                ],
-            ),
-            ("composite", &["composite_additive", "composite_subtractive", "composite_ratio"]),
-        ],
-    },
+    Entry { module: "shading_points", slots: &[] },
     Entry { module: "shadow_map", slots: &[] },
     Entry { module: "summed_area", slots: &[] },
     Entry { module: "transform", slots: &[] },
@@ -169,18 +178,16 @@ mod tests {
 
     #[test]
     fn a_module_imported_twice_appears_once() {
-        let source =
-            resolve("shade", &[("shadow", "shadow_hard"), ("composite", "composite_ratio")]).unwrap();
+        let source = resolve("light", &[("shadow", "shadow_hard")]).unwrap();
         assert_eq!(source.matches("struct View {").count(), 1);
         assert!(!source.contains("#import"));
     }
 
     #[test]
     fn an_empty_slot_and_an_unknown_module_are_named() {
-        let error = resolve("shade", &[("composite", "composite_ratio")]).unwrap_err();
+        let error = resolve("light", &[]).unwrap_err();
         assert!(error.to_string().contains("slot `shadow`"));
-        let error =
-            resolve("shade", &[("shadow", "shadow_moon"), ("composite", "composite_ratio")]).unwrap_err();
+        let error = resolve("light", &[("shadow", "shadow_moon")]).unwrap_err();
         assert!(error.to_string().contains("`shadow_moon`"));
     }
 }

@@ -4,5 +4,6 @@
 
 pub mod depth_moments;
 pub mod math;
+pub mod resample;
 pub mod sample_pattern;
 pub mod series;

@@ -47,7 +47,19 @@ macro_rules! fields {
 
 fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
     vec![
-        fields!(View { clip_from_world, world_from_clip, eye_world, size, flags, padding, residual_sh }),
+        fields!(View {
+            clip_from_world,
+            world_from_clip,
+            eye_world,
+            size,
+            flags,
+            shadow_sampling,
+            sample_extent,
+            padding_0,
+            padding_1,
+            padding_2,
+            residual_sh,
+        }),
         fields!(Light {
             direction,
             shape,
@@ -72,6 +84,7 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             padding_1,
         }),
         fields!(Batch { light_count, flags, padding_0, padding_1 }),
+        fields!(ShadingPoint { position_world, sample, normal, padding }),
         fields!(LightSums {
             diffuse_unshadowed,
             probed,

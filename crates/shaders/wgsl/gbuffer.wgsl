@@ -1,9 +1,7 @@
-#import types
+#import view
 #import math
 
 // What is seen through every sample of the picture: normals, reflectance, emission. No light here.
-
-@group(0) @binding(0) var<uniform> view: View;
 
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;

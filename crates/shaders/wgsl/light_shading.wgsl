@@ -1,4 +1,5 @@
 #import frame
+#import gbuffer_surface
 #import brdf_ggx
 #import form_factor
 
@@ -49,15 +50,7 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
     );
 }
 
-struct SpecularSurface {
-    n: vec3f,
-    wo: vec3f,
-    f0: vec3f,
-    f90: f32,
-    alpha: f32,
-}
-
-fn ggx_lobe(surface: SpecularSurface, wi: vec3f, alpha: f32) -> vec3f {
+fn ggx_lobe(surface: Surface, wi: vec3f, alpha: f32) -> vec3f {
     let h = normalize(wi + surface.wo);
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
     let n_dot_l = max(dot(surface.n, wi), 0.0);
@@ -66,14 +59,14 @@ fn ggx_lobe(surface: SpecularSurface, wi: vec3f, alpha: f32) -> vec3f {
 }
 
 // Radiance reflected by the surface's microfacets per unit of the light's radiance.
-fn light_specular(light: u32, position_world: vec3f, surface: SpecularSurface) -> vec3f {
+fn light_specular(light: u32, surface: Surface) -> vec3f {
     if lights[light].kind == KIND_DISTANT {
         // The light's extent widens the lobe (Karis 2013, area lights): alpha' = alpha + half the light's radius.
         let solid_angle = lights[light].solid_angle;
         let wide = saturate(surface.alpha + 0.5 * sqrt(solid_angle / PI));
         return ggx_lobe(surface, lights[light].direction, wide) * solid_angle;
     }
-    let to_light = lights[light].position - position_world;
+    let to_light = lights[light].position - surface.position_world;
     let distance2 = dot(to_light, to_light);
     let reflected = reflect(-surface.wo, surface.n);
     let radius = lights[light].half_extent.x;

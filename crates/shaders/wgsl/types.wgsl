@@ -10,7 +10,13 @@ struct View {
     size: vec2u,
     // Bit 0: draw the environment behind the scene.
     flags: u32,
-    padding: u32,
+    // Samples of the picture along the side of a tile of the shadow buffer.
+    shadow_sampling: u32,
+    // Distance in the world from a sample to the next, across the view at a distance of 1 or in a parallel view.
+    sample_extent: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
     // SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
     residual_sh: array<vec4f, 9>,
 }
@@ -76,13 +82,29 @@ const MAX_BATCH_LIGHTS: u32 = 160u;
 // A batch of lights whose maps are held together.
 struct Batch {
     light_count: u32,
-    // Bit 0: the first of the frame; bit 1: the last.
+    // Bit 0: the first of the frame.
     flags: u32,
     padding_0: u32,
     padding_1: u32,
 }
 
-// What the lights of the batches so far give one sample: irradiance, and specular radiance.
+const FLAG_FIRST: u32 = 1u;
+
+// Where light is summed.
+struct ShadingPoint {
+    position_world: vec3f,
+    // Row times the picture's width plus column.
+    sample: u32,
+    normal: vec3f,
+    padding: u32,
+}
+
+// Index of no point.
+const NO_POINT: u32 = 0xffffffffu;
+// Points a workgroup.
+const LIGHT_WORKGROUP: u32 = 64u;
+
+// What the lights of the batches so far give one point: irradiance, and specular radiance.
 struct LightSums {
     diffuse_unshadowed: vec3f,
     // Projected solid angle of the probes: of all, and of what is visible of them.

@@ -93,6 +93,11 @@ pub struct GpuArgs {
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub supersample: u32,
 
+    /// Samples along each side of a tile over which lights are summed once: 1, 2, 4, 8, 16 or 32. Samples unlike the tiles around
+    /// them are lit by themselves, so that edges stay sharp
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub shadow_sampling: u32,
+
     /// Part of the name of the adapter to use (see gnomon info) [default: the fastest]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -193,6 +198,7 @@ pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> 
         compositing: args.compositing.clone(),
         shadow_resolution: args.shadow_resolution,
         samples: args.supersample,
+        shadow_sampling: args.shadow_sampling,
         exposure_ev: inputs.exposure,
         profile: false,
         ..RenderSettings::default()

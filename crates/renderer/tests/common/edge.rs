@@ -26,6 +26,7 @@ pub fn settings(shadows: &str) -> RenderSettings {
         compositing: "additive".to_owned(),
         shadow_resolution: SHADOW_RESOLUTION,
         samples: 1,
+        shadow_sampling: 1,
         ..Default::default()
     }
 }

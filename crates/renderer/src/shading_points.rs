@@ -1,0 +1,142 @@
+use gnomon_shaders::layout;
+
+use crate::bindings::Binding;
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+/// Samples of the picture that lights are summed at, and the sums: the shadow buffer (DeCoro and Rusinkiewicz 2008, section 3.2). One
+/// point stands for a tile of `sampling` x `sampling` samples; samples unlike the points around them have their own.
+pub(crate) struct ShadingPoints {
+    /// Bind group of the passes that list points.
+    list_group: wgpu::BindGroup,
+    /// Bind group 3 of the pass that sums light.
+    pub light_group: wgpu::BindGroup,
+    /// Bind group 2 of the pass that makes a picture.
+    pub compose_group: wgpu::BindGroup,
+    /// Arguments of an indirect dispatch over all points.
+    pub dispatch: wgpu::Buffer,
+    count: wgpu::Buffer,
+    sample_size: [u32; 2],
+    sampling: u32,
+}
+
+/// Lists the points of a frame.
+pub(crate) struct ShadingPointsPass {
+    list_layout: wgpu::BindGroupLayout,
+    pub light_layout: wgpu::BindGroupLayout,
+    pub compose_layout: wgpu::BindGroupLayout,
+    choose: wgpu::ComputePipeline,
+    refine: wgpu::ComputePipeline,
+    dispatch_size: wgpu::ComputePipeline,
+}
+
+/// Room for points: all samples where each has its own, else every tile's and those of every second sample.
+fn capacity(sample_count: u64, tile_count: u64, sampling: u32) -> u64 {
+    if sampling == 1 { sample_count } else { tile_count + sample_count.div_ceil(2) }
+}
+
+impl ShadingPointsPass {
+    pub fn new(
+        gpu: &Gpu,
+        view_layout: &wgpu::BindGroupLayout,
+        gbuffer_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, RenderError> {
+        let written = Binding::Storage { read_only: false };
+        let read = Binding::Storage { read_only: true };
+        let layout = |label, bindings: &[Binding]| {
+            let numbered: Vec<_> = (0..).zip(bindings.iter().copied()).collect();
+            gpu.layout(label, wgpu::ShaderStages::COMPUTE, &numbered)
+        };
+        let list_layout = layout("shading points", &[written; 5]);
+        let module = gpu.shader("shading_points", &[])?;
+        let groups = [Some(view_layout), Some(gbuffer_layout), Some(&list_layout)];
+        Ok(Self {
+            light_layout: layout("sums of light", &[read, read, written]),
+            compose_layout: layout("sums to compose", &[read; 4]),
+            choose: gpu.compute_pipeline(&module, "choose", &groups),
+            refine: gpu.compute_pipeline(&module, "refine", &groups),
+            dispatch_size: gpu.compute_pipeline(&module, "dispatch_size", &groups),
+            list_layout,
+        })
+    }
+
+    /// Buffers for a picture of `sample_size` samples.
+    ///
+    /// # Errors
+    /// [`RenderError::OverLimit`] where the adapter allows no buffer that large.
+    pub fn points(
+        &self,
+        gpu: &Gpu,
+        sample_size: [u32; 2],
+        sampling: u32,
+    ) -> Result<ShadingPoints, RenderError> {
+        let [width, height] = sample_size.map(u64::from);
+        let side = u64::from(sampling);
+        let (samples, tiles) = (width * height, width.div_ceil(side) * height.div_ceil(side));
+        let capacity = capacity(samples, tiles, sampling);
+        let sum_bytes = capacity * size_of::<layout::LightSums>() as u64;
+        let largest = gpu.device.limits().max_storage_buffer_binding_size;
+        if sum_bytes > largest {
+            return Err(RenderError::OverLimit {
+                what: "bytes to sum light at every sample (fewer samples a pixel or coarser shadow sampling need less)",
+                wanted: sum_bytes,
+                limit: largest,
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+        let storage = wgpu::BufferUsages::STORAGE;
+        let point_bytes = capacity * size_of::<layout::ShadingPoint>() as u64;
+        let points = gpu.empty_buffer("shading points", point_bytes, storage);
+        let count = gpu.empty_buffer("number of points", 4, storage | wgpu::BufferUsages::COPY_DST);
+        let point_of_tile = gpu.empty_buffer("points of tiles", 4 * tiles, storage);
+        let own = if sampling == 1 { 1 } else { samples };
+        let point_of_sample = gpu.empty_buffer("points of samples", 4 * own, storage);
+        let dispatch = gpu.empty_buffer("dispatch", 16, storage | wgpu::BufferUsages::INDIRECT);
+        let sums = gpu.empty_buffer("sums of light", sum_bytes, storage);
+        let group = |label, layout, buffers: &[&wgpu::Buffer]| {
+            let bound: Vec<_> = (0..).zip(buffers.iter().map(|buffer| buffer.as_entire_binding())).collect();
+            gpu.bind_group(label, layout, &bound)
+        };
+        Ok(ShadingPoints {
+            list_group: group(
+                "shading points",
+                &self.list_layout,
+                &[&points, &count, &point_of_tile, &point_of_sample, &dispatch],
+            ),
+            light_group: group("sums of light", &self.light_layout, &[&points, &dispatch, &sums]),
+            compose_group: group(
+                "sums to compose",
+                &self.compose_layout,
+                &[&points, &point_of_tile, &point_of_sample, &sums],
+            ),
+            dispatch,
+            count,
+            sample_size,
+            sampling,
+        })
+    }
+
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        points: &ShadingPoints,
+        view_group: &wgpu::BindGroup,
+        gbuffer_group: &wgpu::BindGroup,
+    ) {
+        recorder.encoder.clear_buffer(&points.count, 0, None);
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        for (i, group) in (0..).zip([view_group, gbuffer_group, &points.list_group]) {
+            pass.set_bind_group(i, group, &[]);
+        }
+        let [tile_columns, tile_rows] = points.sample_size.map(|side| side.div_ceil(points.sampling));
+        pass.set_pipeline(&self.choose);
+        pass.dispatch_workgroups(tile_columns.div_ceil(8), tile_rows.div_ceil(8), 1);
+        if points.sampling > 1 {
+            let [width, height] = points.sample_size;
+            pass.set_pipeline(&self.refine);
+            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        }
+        pass.set_pipeline(&self.dispatch_size);
+        pass.dispatch_workgroups(1, 1, 1);
+    }
+}

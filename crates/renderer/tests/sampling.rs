@@ -1,0 +1,182 @@
+//! Shadow buffers with fewer samples than the picture.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
+
+mod common;
+
+use common::edge::white;
+use common::*;
+use glam::{Vec2, Vec3};
+use gnomon_image::RgbImage;
+use gnomon_lights::FitOptions;
+use gnomon_metrics::{compare, tolerances};
+use gnomon_renderer::{RenderError, RenderSettings, Renderer};
+use gnomon_scene::{Camera, LoadOptions, Projection, Scene};
+
+fn settings(shadow_sampling: u32) -> RenderSettings {
+    RenderSettings { samples: 1, shadow_sampling, ..Default::default() }
+}
+
+#[test]
+fn a_sixteenth_of_the_samples_adds_little_error() {
+    let data = |name: &str| gnomon_testing::data_file(name);
+    let (Some(scene), Some(map), Some(truth)) = (
+        data("scenes/three_boxes.glb"),
+        data("reference/env_galileo_latlong_512x256.exr"),
+        data("reference/three_boxes_galileo.exr"),
+    ) else {
+        return;
+    };
+    let Some(gpu) = gpu_or_skip() else { return };
+    let scene = gnomon_scene::load(&scene, &LoadOptions::default()).unwrap().scene;
+    let map = gnomon_envmap::load(&map, None).unwrap().map;
+    let truth = gnomon_image::read(&truth).unwrap().image;
+    let options = FitOptions { light_count: Some(60), ..Default::default() };
+    let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
+    let size = [truth.width(), truth.height()];
+    let error = |shadow_sampling| {
+        let settings = RenderSettings { shadow_sampling, ..Default::default() };
+        let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], size);
+        compare(&frame.radiance, &truth, None).unwrap().relative_rmse
+    };
+    let (full, sixteenth, coarsest) = (error(1), error(4), error(32));
+    println!("all samples {full:.4}, a sixteenth {sixteenth:.4}, 1/1024 {coarsest:.4}");
+    assert!(sixteenth <= (1.0 + tolerances::SIXTEENTH_ADDED_ERROR) * full, "{sixteenth} against {full}");
+    // The same gate must fail for a buffer that is too coarse.
+    assert!(coarsest > (1.0 + tolerances::SIXTEENTH_ADDED_ERROR) * full, "{coarsest} against {full}");
+}
+
+#[test]
+fn unshadowed_pictures_do_not_depend_on_sampling() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = constant_map(Vec3::new(1.0, 0.5, 0.25));
+    let camera = Camera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8);
+    let scene = scene_of(vec![sphere()], white());
+    let picture = |compositing: &str, sampling| {
+        let settings = RenderSettings {
+            shadows: "none".to_owned(),
+            compositing: compositing.to_owned(),
+            ..settings(sampling)
+        };
+        let set = one_disk(Vec3::new(0.3, 0.9, 0.2).normalize(), 0.1);
+        render(&gpu, settings, &scene, &map, &set, &camera, [67, 41]).radiance
+    };
+    for compositing in ["ratio", "subtractive"] {
+        let full = picture(compositing, 1);
+        for sampling in [2, 8, 32] {
+            let error = compare(&picture(compositing, sampling), &full, None).unwrap().relative_rmse;
+            assert!(error < 1e-5, "{compositing}, {sampling}: {error}");
+        }
+    }
+    // Additive light is what the buffer holds, so there it does depend on it.
+    let error = compare(&picture("additive", 8), &picture("additive", 1), None).unwrap().relative_rmse;
+    assert!(error > 1e-4, "{error}");
+}
+
+/// A plate above a ground under one light from the side, seen from straight above: beside the plate's lit edge lies its shadow.
+fn plate_over_ground() -> Scene {
+    scene_of(
+        vec![
+            horizontal(Vec2::splat(-2.0), Vec2::splat(2.0), 0.0),
+            horizontal(Vec2::splat(-0.5), Vec2::splat(0.5), 0.4),
+        ],
+        white(),
+    )
+}
+
+/// Pictures of `scene` at a sampling, by hard shadows under one light.
+fn under_one_light(scene: &Scene, camera: &Camera, sampling: u32) -> Option<RgbImage> {
+    let gpu = gpu_or_skip()?;
+    let settings = RenderSettings {
+        shadows: "hard".to_owned(),
+        compositing: "additive".to_owned(),
+        shadow_resolution: 1024,
+        ..settings(sampling)
+    };
+    let set = one_disk(Vec3::new(1.0, 1.0, 0.0).normalize(), 0.01);
+    Some(render(&gpu, settings, scene, &no_light(), &set, camera, [128, 128]).radiance)
+}
+
+#[test]
+fn light_does_not_cross_depth_edges() {
+    let camera = Camera {
+        projection: Projection::Orthographic { half_width: 1.0 },
+        ..Camera::look_at(Vec3::new(0.0, 3.0, 1e-3), Vec3::ZERO, 1.0)
+    };
+    let scene = plate_over_ground();
+    let Some(full) = under_one_light(&scene, &camera, 1) else { return };
+    let lit = full.get(64, 64).x;
+    assert!(lit > 0.0);
+    for sampling in [2, 4, 8, 16] {
+        let Some(coarse) = under_one_light(&scene, &camera, sampling) else { return };
+        // Right at the plate's edges, 32 samples from the picture's: on one side the lit plate meets its shadow 0.4 m below.
+        let mut edges = 0;
+        for (x, y) in [31..34, 95..98].into_iter().flatten().flat_map(|x| (48..80).map(move |y| (x, y))) {
+            let (left, right) = (full.get(x - 1, y).x, full.get(x, y).x);
+            if (left - right).abs() > 0.5 * lit {
+                edges += 1;
+                for (got, want) in [(coarse.get(x - 1, y).x, left), (coarse.get(x, y).x, right)] {
+                    assert!(
+                        (got - want).abs() <= tolerances::SAMPLING_BLEED * lit,
+                        "{sampling}: {got}, {want}"
+                    );
+                }
+            }
+        }
+        assert!(edges > 0);
+    }
+}
+
+#[test]
+fn light_does_not_cross_normal_edges() {
+    // A roof of two slopes, one facing the light and one turned from it, seen from above: the ridge must stay sharp.
+    let slope = |side: f32| {
+        let mut mesh = horizontal(Vec2::splat(-1.0), Vec2::splat(1.0), 0.0);
+        for position in &mut mesh.positions {
+            *position = Vec3::new(side * (0.5 * position.x + 0.5), -(0.5 * position.x + 0.5), position.z);
+        }
+        mesh.normals = vec![Vec3::new(side, 1.0, 0.0).normalize(); 4];
+        mesh
+    };
+    let camera = Camera {
+        projection: Projection::Orthographic { half_width: 0.8 },
+        ..Camera::look_at(Vec3::new(0.0, 3.0, 1e-3), Vec3::ZERO, 1.0)
+    };
+    let scene = scene_of(vec![slope(1.0), slope(-1.0)], white());
+    let Some(full) = under_one_light(&scene, &camera, 1) else { return };
+    let lit = full.texels().iter().map(|texel| texel.x).fold(0.0, f32::max);
+    let dark = full.texels().iter().filter(|texel| texel.x < 0.01 * lit).count();
+    assert!(lit > 0.0 && dark > 4000, "{lit}, {dark}");
+    for sampling in [4, 16] {
+        let Some(coarse) = under_one_light(&scene, &camera, sampling) else { return };
+        for (got, want) in coarse.texels().iter().zip(full.texels()) {
+            let (got, want) = (got.x, want.x);
+            assert!((got - want).abs() <= tolerances::SAMPLING_BLEED * lit, "{sampling}: {got}, {want}");
+        }
+    }
+}
+
+#[test]
+fn tiles_larger_than_the_picture_and_empty_scenes_are_drawn() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = constant_map(Vec3::ONE);
+    let camera = Camera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8);
+    let set = one_disk(Vec3::Y, 0.1);
+    for scene in [Scene::default(), scene_of(vec![sphere()], white())] {
+        for size in [[1, 1], [33, 17]] {
+            let frame = render(&gpu, settings(32), &scene, &map, &set, &camera, size);
+            assert!(
+                frame.radiance.texels().iter().all(|texel| texel.is_finite() && texel.min_element() > 0.0)
+            );
+        }
+    }
+}
+
+#[test]
+fn sampling_out_of_range_is_refused() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    for sampling in [0, 3, 64] {
+        let error = Renderer::new(&gpu, settings(sampling)).err().unwrap();
+        assert!(matches!(error, RenderError::OutOfRange { .. }), "{error}");
+    }
+}

@@ -1,0 +1,109 @@
+#import environment
+#import gbuffer_surface
+#import brdf_ggx
+#import sh
+#import shadow_buffer
+#import slot:composite
+
+// Radiance of every sample: unshadowed light, what the lights' sums make of it, emission; or the environment itself.
+
+@group(2) @binding(0) var<storage, read> points: array<ShadingPoint>;
+@group(2) @binding(1) var<storage, read> point_of_tile: array<u32>;
+@group(2) @binding(2) var<storage, read> point_of_sample: array<u32>;
+@group(2) @binding(3) var<storage, read> light_sums: array<LightSums>;
+
+@group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
+
+const FLAG_BACKGROUND: u32 = 1u;
+
+fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
+    (*sums).diffuse_unshadowed += weight * more.diffuse_unshadowed;
+    (*sums).probed += weight * more.probed;
+    (*sums).diffuse_shadowed += weight * more.diffuse_shadowed;
+    (*sums).probed_open += weight * more.probed_open;
+    (*sums).specular_unshadowed += weight * more.specular_unshadowed;
+    (*sums).specular_shadowed += weight * more.specular_shadowed;
+    (*sums).diffuse_near += weight * more.diffuse_near;
+    (*sums).specular_near += weight * more.specular_near;
+}
+
+// The sums of a sample: its own, or the mean of those of the tiles around it.
+fn sums_at(sample: vec2u, surface: Surface) -> LightSums {
+    let tiles = (view.size + view.shadow_sampling - 1u) / view.shadow_sampling;
+    let center = vec2i(sample / view.shadow_sampling);
+    var sums: LightSums;
+    if view.shadow_sampling == 1u {
+        let point = point_of_tile[sample.y * tiles.x + sample.x];
+        if point != NO_POINT {
+            sums = light_sums[point];
+        }
+        return sums;
+    }
+    let own = point_of_sample[sample.y * view.size.x + sample.x];
+    if own != NO_POINT {
+        return light_sums[own];
+    }
+    var weights = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let tile = center + vec2i(i % 3, i / 3) - 1;
+        if all(tile >= vec2i(0)) && all(tile < vec2i(tiles)) {
+            let point = point_of_tile[u32(tile.y) * tiles.x + u32(tile.x)];
+            if point != NO_POINT {
+                let weight = point_weight(points[point], sample, surface.position_world, surface.n);
+                add_weighted(&sums, weight, light_sums[point]);
+                weights += weight;
+            }
+        }
+    }
+    var mean: LightSums;
+    if weights > 0.0 {
+        add_weighted(&mean, 1.0 / weights, sums);
+    }
+    return mean;
+}
+
+@compute @workgroup_size(8, 8)
+fn compose(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= view.size) {
+        return;
+    }
+    let depth = depth_at(id.xy);
+    if depth == 0.0 {
+        let near = unproject(id.xy, 1.0);
+        let direction = normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz);
+        let shown = (view.flags & FLAG_BACKGROUND) != 0u;
+        textureStore(radiance, id.xy, vec4f(select(vec3f(0.0), equirect_lookup(background, direction, 0), shown), 0.0));
+        return;
+    }
+    let surface = surface_at(id.xy, depth);
+    let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
+    let sums = sums_at(id.xy, surface);
+
+    // Of the ambient rest, what the probes see.
+    let open = select(1.0, sums.probed_open / sums.probed, sums.probed > 0.0);
+    // What the dielectric's surface lets through to its base, F taken for light along the normal: glTF weighs the base by F at
+    // v.h, which stays far from grazing for most light even where n.v does not.
+    let interface_f0_f90 = surface.interface_f0_f90;
+    let base_weight = 1.0 - max_component(f_schlick(interface_f0_f90.rgb, interface_f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
+    let ambient_diffuse = max(sh_irradiance(view.residual_sh, surface.n), vec3f(0.0));
+    let environment_diffuse = composite(
+        equirect_lookup(irradiance_full, surface.n, 0),
+        ambient_diffuse + sums.diffuse_unshadowed,
+        open * ambient_diffuse + sums.diffuse_shadowed,
+    );
+    let diffuse = base_weight * (environment_diffuse + sums.diffuse_near);
+    var result = surface.emission + surface.diffuse_color / PI * diffuse;
+    if surface.f90 > 0.0 {
+        let dfg = environment_brdf(n_dot_v, surface.roughness);
+        let specular_albedo = surface.f0 * dfg.x + surface.f90 * dfg.y;
+        let reflected = reflect(-surface.wo, surface.n);
+        let level = surface.roughness * f32(textureNumLevels(prefiltered_full) - 1u);
+        let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo;
+        result += composite(
+            equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo,
+            ambient_specular + sums.specular_unshadowed,
+            open * ambient_specular + sums.specular_shadowed,
+        ) + sums.specular_near;
+    }
+    textureStore(radiance, id.xy, vec4f(result, 1.0));
+}

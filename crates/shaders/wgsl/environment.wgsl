@@ -1,0 +1,25 @@
+#import view
+#import equirect_texture
+
+// Group 0 of the pass that makes a picture of the sums.
+
+// The whole environment as the camera sees it.
+@group(0) @binding(1) var background: texture_2d<f32>;
+// Irradiance of the whole environment over the sphere of normals.
+@group(0) @binding(2) var irradiance_full: texture_2d<f32>;
+// GGX-prefiltered radiance, roughness rising linearly over the mip levels: whole environment, residual.
+@group(0) @binding(3) var prefiltered_full: texture_2d<f32>;
+@group(0) @binding(4) var prefiltered_residual: texture_2d<f32>;
+// Scale and bias of f0 in the environment BRDF (Karis 2013) over (n.v, roughness).
+@group(0) @binding(5) var dfg_table: texture_2d<f32>;
+
+fn environment_brdf(n_dot_v: f32, roughness: f32) -> vec2f {
+    let size = vec2f(textureDimensions(dfg_table));
+    let position = saturate(vec2f(n_dot_v, roughness)) * (size - 1.0);
+    let low = vec2i(position);
+    let high = min(low + 1, vec2i(size) - 1);
+    let t = position - vec2f(low);
+    let near = mix(textureLoad(dfg_table, low, 0).rg, textureLoad(dfg_table, vec2i(high.x, low.y), 0).rg, t.x);
+    let far = mix(textureLoad(dfg_table, vec2i(low.x, high.y), 0).rg, textureLoad(dfg_table, high, 0).rg, t.x);
+    return mix(near, far, t.y);
+}

@@ -1,0 +1,74 @@
+#import view
+#import math
+
+// Group 1 of every pass over the screen: what is seen through the samples of the picture.
+
+@group(1) @binding(0) var gbuffer_depth: texture_depth_2d;
+@group(1) @binding(1) var gbuffer_normals: texture_2d<f32>;
+@group(1) @binding(2) var gbuffer_base_color_metallic: texture_2d<f32>;
+@group(1) @binding(3) var gbuffer_f0_f90: texture_2d<f32>;
+@group(1) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
+
+// `gnomon_brdf::MIN_ALPHA`.
+const MIN_ALPHA: f32 = 0.002;
+
+struct Surface {
+    position_world: vec3f,
+    // Shading and geometric normal, towards the viewer, and the direction to the viewer.
+    n: vec3f,
+    geometric_normal: vec3f,
+    wo: vec3f,
+    // Albedo of the matte part.
+    diffuse_color: vec3f,
+    // Reflectance of the glossy part along the normal and at grazing incidence; it is absent where the latter is 0.
+    f0: vec3f,
+    f90: f32,
+    roughness: f32,
+    alpha: f32,
+    // Reflectance along the normal and at grazing incidence of the interface above a matte base.
+    interface_f0_f90: vec4f,
+    emission: vec3f,
+}
+
+// Depth of a sample, 0 where it shows the background.
+fn depth_at(sample: vec2u) -> f32 {
+    return textureLoad(gbuffer_depth, sample, 0);
+}
+
+// Homogeneous point of the world seen through a sample at a depth.
+fn unproject(sample: vec2u, depth: f32) -> vec4f {
+    let ndc = (vec2f(sample) + 0.5) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    return view.world_from_clip * vec4f(ndc, depth, 1.0);
+}
+
+fn position_at(sample: vec2u, depth: f32) -> vec3f {
+    let homogeneous = unproject(sample, depth);
+    return homogeneous.xyz / homogeneous.w;
+}
+
+fn normal_at(sample: vec2u) -> vec3f {
+    return octahedral_decode(textureLoad(gbuffer_normals, sample, 0).xy);
+}
+
+// What a sample of a depth above 0 shows.
+fn surface_at(sample: vec2u, depth: f32) -> Surface {
+    let normals = textureLoad(gbuffer_normals, sample, 0);
+    let base_color_metallic = textureLoad(gbuffer_base_color_metallic, sample, 0);
+    let f0_f90 = textureLoad(gbuffer_f0_f90, sample, 0);
+    let emissive_roughness = textureLoad(gbuffer_emissive_roughness, sample, 0);
+    let metallic = base_color_metallic.a;
+
+    var surface: Surface;
+    surface.position_world = position_at(sample, depth);
+    surface.n = octahedral_decode(normals.xy);
+    surface.geometric_normal = octahedral_decode(normals.zw);
+    surface.wo = normalize(view.eye_world.xyz - surface.position_world * view.eye_world.w);
+    surface.diffuse_color = base_color_metallic.rgb * (1.0 - metallic);
+    surface.f0 = mix(f0_f90.rgb, base_color_metallic.rgb, metallic);
+    surface.f90 = mix(f0_f90.a, 1.0, metallic);
+    surface.roughness = emissive_roughness.a;
+    surface.alpha = max(surface.roughness * surface.roughness, MIN_ALPHA);
+    surface.interface_f0_f90 = f0_f90;
+    surface.emission = emissive_roughness.rgb;
+    return surface;
+}

@@ -1,0 +1,57 @@
+#import frame
+#import gbuffer_surface
+#import light_shading
+#import slot:shadow
+
+// Sums a batch of lights with their visibility at every shading point.
+
+@group(3) @binding(0) var<storage, read> points: array<ShadingPoint>;
+// Workgroups of this dispatch (x, y), and number of points (w).
+@group(3) @binding(1) var<storage, read> dispatch: vec4u;
+@group(3) @binding(2) var<storage, read_write> light_sums: array<LightSums>;
+
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn light(
+    @builtin(workgroup_id) workgroup: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let point = (workgroup.y * dispatch.x + workgroup.x) * LIGHT_WORKGROUP + local;
+    if point >= dispatch.w {
+        return;
+    }
+    let place = points[point].sample;
+    let sample = vec2u(place % view.size.x, place / view.size.x);
+    let surface = surface_at(sample, depth_at(sample));
+
+    var sums: LightSums;
+    if (batch.flags & FLAG_FIRST) == 0u {
+        sums = light_sums[point];
+    }
+    for (var light = 0u; light < batch.light_count; light++) {
+        let form_factor = light_form_factor(light, surface.position_world, surface.n);
+        if form_factor <= 0.0 {
+            continue;
+        }
+        let visible = visibility(light, surface.position_world, surface.geometric_normal);
+        if lights[light].role == ROLE_PROBE {
+            sums.probed += form_factor;
+            sums.probed_open += form_factor * visible;
+            continue;
+        }
+        let diffuse = lights[light].radiance * form_factor;
+        var specular = vec3f(0.0);
+        if surface.f90 > 0.0 {
+            specular = light_specular(light, surface) * lights[light].radiance;
+        }
+        if lights[light].kind == KIND_DISTANT {
+            sums.diffuse_unshadowed += diffuse;
+            sums.diffuse_shadowed += diffuse * visible;
+            sums.specular_unshadowed += specular;
+            sums.specular_shadowed += specular * visible;
+        } else {
+            sums.diffuse_near += diffuse * visible;
+            sums.specular_near += specular * visible;
+        }
+    }
+    light_sums[point] = sums;
+}
