@@ -1,5 +1,6 @@
 use glam::{Vec2, Vec3};
 
+use crate::lobe::lifted;
 use crate::{
     MIN_N_DOT_V, Reflectance, Sample, Surface, alpha_from_roughness, d_ggx, f_schlick, f0_from_ior,
     fd_lambert, local_from_world, pdf_ggx_vndf, sample_cosine_hemisphere, sample_ggx_vndf,
@@ -7,10 +8,10 @@ use crate::{
 };
 
 /// Rec. 709 luminance weights, to choose between lobes.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+pub(crate) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Least chance of a lobe that reflects anything, so that no direction of that lobe is starved of samples.
-const MIN_LOBE_PROBABILITY: f32 = 0.1;
+pub(crate) const MIN_LOBE_PROBABILITY: f32 = 0.1;
 
 /// glTF 2.0 reflectance for world-space directions about the unit normal `n` [1/sr, without the cosine].
 ///
@@ -39,7 +40,7 @@ fn evaluate(surface: &Surface, n_dot_v: f32, n_dot_l: f32, n_dot_h: f32, v_dot_h
 }
 
 /// `dielectric_f0` of `KHR_materials_specular`, section "Implementation".
-fn dielectric_f0(surface: &Surface) -> Vec3 {
+pub(crate) fn dielectric_f0(surface: &Surface) -> Vec3 {
     (f0_from_ior(surface.ior) * surface.specular_color).min(Vec3::ONE) * surface.specular
 }
 
@@ -88,11 +89,6 @@ impl MetallicRoughness {
     }
 }
 
-/// `wo` lifted to at least [`MIN_N_DOT_V`] above the surface.
-fn lifted(wo: Vec3) -> Vec3 {
-    if wo.z >= MIN_N_DOT_V { wo } else { Vec3::new(wo.x, wo.y, MIN_N_DOT_V).normalize() }
-}
-
 impl Reflectance for MetallicRoughness {
     fn evaluate(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         let h = (wo + wi).normalize_or_zero();
@@ -100,7 +96,7 @@ impl Reflectance for MetallicRoughness {
     }
 
     fn sample(&self, wo: Vec3, u: Vec2, u_lobe: f32) -> Option<Sample> {
-        let lifted_wo = lifted(wo);
+        let lifted_wo = lifted(Vec3::Z, wo);
         let wi = if u_lobe < self.specular_probability(lifted_wo.z)? {
             let h = sample_ggx_vndf(lifted_wo, self.alpha, u);
             2.0 * lifted_wo.dot(h) * h - lifted_wo
@@ -115,7 +111,7 @@ impl Reflectance for MetallicRoughness {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let wo = lifted(wo);
+        let wo = lifted(Vec3::Z, wo);
         let Some(p) = self.specular_probability(wo.z) else { return 0.0 };
         let specular = if p > 0.0 { p * pdf_ggx_vndf(wo, wi, self.alpha) } else { 0.0 };
         specular + (1.0 - p) * wi.z * std::f32::consts::FRAC_1_PI

@@ -1,6 +1,25 @@
 use glam::{Vec2, Vec3};
 
-use crate::{Lambert, MetallicRoughness, Surface};
+use crate::{Glossy, Lambert, MetallicRoughness, Surface};
+
+/// Which reflectance a surface has. The numbers are those of `brdf_reflectance.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Model {
+    /// glTF 2.0: Lambert under GGX, or metal.
+    #[default]
+    MetallicRoughness = 0,
+    /// Ideally matte.
+    Lambert = 1,
+    /// Phong's lobe about the mirror direction.
+    Phong = 2,
+    /// Blinn's lobe of the half vector.
+    BlinnPhong = 3,
+    /// Torrance and Sparrow's microfacets with Beckmann's slopes.
+    TorranceSparrowBeckmann = 4,
+    /// The same with Gaussian angles.
+    TorranceSparrowGaussian = 5,
+}
 
 /// A sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +48,8 @@ pub trait Reflectance: Send + Sync {
 /// A registered reflectance model.
 #[derive(Clone, Copy, Debug)]
 pub struct ReflectanceModel {
+    /// Which one it is.
+    pub model: Model,
     /// Name for files and options, kebab-case.
     pub name: &'static str,
     /// One line for people.
@@ -40,18 +61,55 @@ pub struct ReflectanceModel {
 /// Every reflectance model: a new one is a file and a line here.
 pub const MODELS: &[ReflectanceModel] = &[
     ReflectanceModel {
+        model: Model::Lambert,
         name: "lambert",
         summary: "ideally matte: base color over pi",
         from_surface: |surface| Box::new(Lambert { albedo: surface.base_color }),
     },
     ReflectanceModel {
+        model: Model::MetallicRoughness,
         name: "metallic-roughness",
         summary: "glTF 2.0: Lambert under GGX, or metal",
         from_surface: |surface| Box::new(MetallicRoughness::new(*surface)),
     },
+    ReflectanceModel {
+        model: Model::Phong,
+        name: "phong",
+        summary: "Lambert and a normalised power of the cosine to the mirror direction",
+        from_surface: |surface| glossy(surface, Model::Phong),
+    },
+    ReflectanceModel {
+        model: Model::BlinnPhong,
+        name: "blinn-phong",
+        summary: "Lambert and a normalised power of the half vector's cosine",
+        from_surface: |surface| glossy(surface, Model::BlinnPhong),
+    },
+    ReflectanceModel {
+        model: Model::TorranceSparrowBeckmann,
+        name: "torrance-sparrow-beckmann",
+        summary: "Lambert and microfacets of Gaussian slopes",
+        from_surface: |surface| glossy(surface, Model::TorranceSparrowBeckmann),
+    },
+    ReflectanceModel {
+        model: Model::TorranceSparrowGaussian,
+        name: "torrance-sparrow-gaussian",
+        summary: "Lambert and microfacets of Gaussian angles",
+        from_surface: |surface| glossy(surface, Model::TorranceSparrowGaussian),
+    },
 ];
+
+fn glossy(surface: &Surface, model: Model) -> Box<dyn Reflectance> {
+    Box::new(Glossy::new(&Surface { model, ..*surface }))
+}
 
 /// The model of that name.
 pub fn model(name: &str) -> Option<&'static ReflectanceModel> {
     MODELS.iter().find(|model| model.name == name)
+}
+
+impl Model {
+    /// Name for files and options.
+    pub fn name(self) -> &'static str {
+        MODELS.iter().find(|entry| entry.model == self).map_or("", |entry| entry.name)
+    }
 }

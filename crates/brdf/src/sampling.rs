@@ -10,6 +10,11 @@ pub fn sample_cosine_hemisphere(u: Vec2) -> Vec3 {
     Vec3::new(r * cos_phi, r * sin_phi, (1.0 - u.x).max(0.0).sqrt())
 }
 
+/// `wo` mirrored about the unit vector `n`: the direction that light comes from.
+pub(crate) fn reflect(n: Vec3, wo: Vec3) -> Vec3 {
+    2.0 * n.dot(wo) * n - wo
+}
+
 /// A world vector in the local frame whose z axis is the unit normal `n` (Duff et al. 2017).
 pub fn local_from_world(n: Vec3, world: Vec3) -> Vec3 {
     let (t, b) = n.any_orthonormal_pair();

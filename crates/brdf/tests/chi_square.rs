@@ -76,7 +76,13 @@ fn cases() -> Vec<(Surface, f64)> {
     let blend = Surface { metallic: 0.4, roughness: 0.8, ..glossy };
     let rough = Surface { metallic: 1.0, roughness: 1.0, ..metal };
     let matte = Surface::default();
-    [glossy, metal, blend, rough, matte]
+    let phong = Surface { model: Model::Phong, shininess: 40.0, ..glossy };
+    let narrow = Surface { shininess: 150.0, base_color: Vec3::ZERO, ..phong };
+    let blinn = Surface { model: Model::BlinnPhong, ..phong };
+    let beckmann = Surface { model: Model::TorranceSparrowBeckmann, slope: 0.3, ..glossy };
+    let gaussian = Surface { model: Model::TorranceSparrowGaussian, slope: 0.2, ..metal };
+    let wide = Surface { model: Model::TorranceSparrowGaussian, slope: 1.0, ..metal };
+    [glossy, metal, blend, rough, matte, phong, narrow, blinn, beckmann, gaussian, wide]
         .iter()
         .flat_map(|&s| [0.0, 0.6, 1.3].map(|theta| (s, theta)))
         .collect()
@@ -86,9 +92,9 @@ fn cases() -> Vec<(Surface, f64)> {
 fn samples_follow_the_pdf() {
     let cases = cases();
     for (index, &(surface, theta)) in cases.iter().enumerate() {
-        let model = MetallicRoughness::new(surface);
+        let model = surface.reflectance();
         let wo = direction(theta, 0.3);
-        let p = p_value(&model, &|wi| f64::from(model.pdf(wo, wi)), wo, 7 + index as u64);
+        let p = p_value(&*model, &|wi| f64::from(model.pdf(wo, wi)), wo, 7 + index as u64);
         assert!(p > SIGNIFICANCE / cases.len() as f64, "p {p}: {surface:?}, theta {theta}");
     }
 }
@@ -101,6 +107,14 @@ fn a_wrong_pdf_is_caught() {
     let wo = direction(0.6, 0.3);
     let p = p_value(&MetallicRoughness::new(surface), &|wi| f64::from(wrong.pdf(wo, wi)), wo, 3);
     assert!(p < 1e-6, "p {p}");
+    for model in
+        [Model::Phong, Model::BlinnPhong, Model::TorranceSparrowBeckmann, Model::TorranceSparrowGaussian]
+    {
+        let right = Surface { model, base_color: Vec3::ZERO, specular: 1.0, ..Surface::default() };
+        let wrong = Surface { shininess: 42.5, slope: 0.29, ..right }.reflectance();
+        let p = p_value(&*right.reflectance(), &|wi| f64::from(wrong.pdf(wo, wi)), wo, 3);
+        assert!(p < 1e-6, "{model:?}: p {p}");
+    }
 }
 
 #[test]

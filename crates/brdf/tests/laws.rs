@@ -18,6 +18,7 @@ fn surface(base: f32, metallic: f32, roughness: f32, specular: f32, ior: f32) ->
         specular,
         specular_color: Vec3::new(1.0, 0.7, 2.0),
         ior,
+        ..Surface::default()
     }
 }
 
@@ -97,6 +98,7 @@ fn energy_is_conserved() {
             specular: 1.0,
             specular_color: Vec3::ONE,
             ior,
+            ..Surface::default()
         };
         let (model, wo) = (MetallicRoughness::new(surface), direction(theta, 0.0));
         directional_albedo(|wi| f64::from(model.evaluate(wo, wi).x))

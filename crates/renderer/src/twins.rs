@@ -7,6 +7,8 @@ use gnomon_shaders::twin::{depth_moments, math, resample, sample_pattern, series
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
 
+mod reflectance;
+
 const COUNT: usize = 4096;
 
 /// An adapter, or `None` after printing why the test is skipped.

@@ -40,7 +40,12 @@ macro_rules! sources {
 
 const MODULES: &[(&str, &str)] = sources![
     "basis",
+    "brdf_blinn_phong",
     "brdf_ggx",
+    "brdf_phong",
+    "brdf_reflectance",
+    "brdf_sampling",
+    "brdf_torrance_sparrow",
     "compose",
     "composite_additive",
     "composite_ratio",

@@ -1,6 +1,6 @@
 #import frame
 #import gbuffer_surface
-#import brdf_ggx
+#import brdf_reflectance
 #import form_factor
 
 // Unshadowed light of one area light on a surface.
