@@ -26,9 +26,9 @@ pub struct PrefilteredMap {
 }
 
 impl PrefilteredMap {
-    /// Filters a map into `level_count` levels (at least 1) for roughness 0 to 1, each half as wide as the one before. The
-    /// first is the map itself, resized to `base_width`, which is taken to the next power of two in 16..=1024; there are no
-    /// more levels than halvings down to 4 x 2. Bilinear lookups want 32 x 16 texels at least: 512 and 5 levels.
+    /// Filters a map into `level_count` levels (at least 1), each half as wide as the one before. The first is the map itself,
+    /// resized to `base_width`, which is taken to the next power of two in 16..=1024; the last is for alpha = 1, and alpha
+    /// doubles from the second on, as the texels do. There are no more levels than halvings down to 4 x 2.
     ///
     /// Each level is a complete convolution over the texels of the map, resized to what the lobe can resolve: deterministic,
     /// a constant stays constant, and a level's flux is the map's within 1 %.
@@ -45,8 +45,7 @@ impl PrefilteredMap {
                 Some(spectra) if spectra.width == wanted as usize => spectra,
                 other => other.insert(Spectra::new(&map.resized(wanted, wanted / 2))),
             };
-            let roughness = level as f32 / (count - 1) as f32;
-            levels.push(spectra.convolve(level_width, f64::from(roughness * roughness)));
+            levels.push(spectra.convolve(level_width, f64::from(alpha_of_level(level, count - 1))));
         }
         Self { levels }
     }
@@ -58,18 +57,40 @@ impl PrefilteredMap {
 
     /// Roughness (perceptual, the square root of alpha) that a level stands for.
     pub fn roughness(&self, level: usize) -> f32 {
-        if self.levels.len() < 2 { 0.0 } else { level as f32 / (self.levels.len() - 1) as f32 }
+        alpha_of_level(level as u32, self.levels.len() as u32 - 1).sqrt()
     }
 
     /// Radiance about a unit direction for a roughness in 0..1, linear between levels.
     pub fn lookup(&self, direction: Vec3, roughness: f32) -> Vec3 {
         let last = self.levels.len() - 1;
-        let at = roughness.clamp(0.0, 1.0) * last as f32;
+        let at = prefiltered_level(roughness * roughness, last as f32);
         let below = (at as usize).min(last);
         let above = (below + 1).min(last);
         let from = self.levels[below].lookup(direction);
         from.lerp(self.levels[above].lookup(direction), at - below as f32)
     }
+}
+
+/// GGX alpha of a level, 0 for the first and 1 for the last.
+fn alpha_of_level(level: u32, last: u32) -> f32 {
+    if level == 0 { 0.0 } else { (level as f32 - last as f32).exp2() }
+}
+
+/// The level, with a fraction, of which linear interpolation between levels has the lobe's height for `alpha`: that goes with
+/// `1 / alpha^2`, so that interpolation in alpha would show highlights several times too bright.
+pub fn prefiltered_level(alpha: f32, last: f32) -> f32 {
+    let first = (1.0 - last).exp2();
+    let clamped = alpha.clamp(0.0, 1.0);
+    if last < 1.0 {
+        return 0.0;
+    }
+    if clamped < first {
+        let ratio = clamped / first;
+        return ratio * ratio;
+    }
+    let below = (clamped / first).log2().floor();
+    let ratio = first * below.exp2() / clamped;
+    (1.0 + below + 4.0 / 3.0 * (1.0 - ratio * ratio)).min(last)
 }
 
 /// `D(n.h) (n.l)` up to a constant factor, for `h` halfway between `n` and `l`: with `c = n.l`, `(n.h)^2 = (1 + c) / 2`, so that

@@ -63,6 +63,22 @@ pub const SHADOW_EDGE_TEXELS: f32 = 1.0;
 /// Visibility far inside a shadow, and what it lacks of 1 in full light, for techniques that are exact there but for rounding.
 pub const UMBRA: f32 = 0.01;
 
+/// Radiance cache of 128 x 128 texels against brute-force integration over a sphere in a parallel view, relative RMSE.
+pub const RADIANCE_CACHE: f64 = 0.03;
+
+/// The same in perspective, 32 degrees wide: the cache knows one direction to the viewer.
+pub const RADIANCE_CACHE_PERSPECTIVE: f64 = 0.10;
+
+/// Irradiance map against brute-force integration, relative RMSE over a sphere.
+pub const IRRADIANCE_MAP: f64 = 0.005;
+
+/// Irradiance of nine spherical harmonics against brute-force integration under a small bright panel, relative RMSE over a sphere.
+pub const SH_IRRADIANCE: f64 = 0.03;
+
+/// GGX-prefiltered environment times the split-sum table against brute-force integration, relative RMSE over a metal sphere of roughness
+/// 0.4 under a small bright panel: the filter takes the lobe to be round, which it is not at grazing views.
+pub const PREFILTERED_ENVIRONMENT: f64 = 0.25;
+
 /// Share by which the error of a picture may grow where lights are summed at a sixteenth of its samples.
 pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
 

@@ -1,6 +1,7 @@
-use crate::bindings::{Binding, D2};
+use crate::bindings::{Binding, D2, D2_ARRAY};
 use crate::composite::Compositing;
 use crate::lighting::Lighting;
+use crate::radiance_cache::RadianceCache;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -23,6 +24,8 @@ impl ComposePass {
         let compute = wgpu::ShaderStages::COMPUTE;
         let mut environment = vec![(0, Binding::Uniform)];
         environment.extend((1..=5).map(|binding| (binding, Binding::LOADED)));
+        let layers = Binding::Texture { dimension: D2_ARRAY, filterable: false };
+        environment.extend([(6, Binding::Uniform), (7, layers), (8, layers)]);
         let environment_layout = gpu.layout("environment", compute, &environment);
         let written = Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 };
         let output_layout = gpu.layout("radiance", compute, &[(0, written)]);
@@ -34,7 +37,13 @@ impl ComposePass {
     }
 
     /// Bind group 0.
-    pub fn environment_group(&self, gpu: &Gpu, view: &wgpu::Buffer, lighting: &Lighting) -> wgpu::BindGroup {
+    pub fn environment_group(
+        &self,
+        gpu: &Gpu,
+        view: &wgpu::Buffer,
+        lighting: &Lighting,
+        cache: &RadianceCache,
+    ) -> wgpu::BindGroup {
         let maps = [
             &lighting.background,
             &lighting.irradiance_full,
@@ -44,6 +53,9 @@ impl ComposePass {
         ];
         let mut resources = vec![(0, view.as_entire_binding())];
         resources.extend((1..).zip(maps).map(|(i, map)| (i, wgpu::BindingResource::TextureView(map))));
+        resources.push((6, cache.parameters.as_entire_binding()));
+        let layers = &cache.maps;
+        resources.extend((7..).zip(layers).map(|(i, map)| (i, wgpu::BindingResource::TextureView(map))));
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 

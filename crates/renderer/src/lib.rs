@@ -21,6 +21,7 @@ mod light_pass;
 mod lighting;
 mod materials;
 mod near_light_frame;
+mod radiance_cache;
 mod readback;
 mod recorder;
 mod renderer;
@@ -30,6 +31,7 @@ pub mod shadow;
 mod shadow_batches;
 #[cfg(test)]
 mod twins;
+pub mod unshadowed;
 
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;

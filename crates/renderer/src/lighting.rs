@@ -14,9 +14,9 @@ const DFG_SIZE: u32 = 32;
 const IRRADIANCE_HEIGHT: u32 = 32;
 /// Height of the map that irradiance is integrated from.
 const IRRADIANCE_SOURCE_HEIGHT: u32 = 64;
-/// Width of the sharpest prefiltered level, and number of levels: bilinear lookups want 32 x 16 texels in the last.
+/// Width of the sharpest prefiltered level, and number of levels.
 const PREFILTERED_WIDTH: u32 = 512;
-const PREFILTERED_LEVELS: u32 = 5;
+const PREFILTERED_LEVELS: u32 = 6;
 
 /// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
 pub(crate) struct Lighting {
@@ -24,6 +24,8 @@ pub(crate) struct Lighting {
     /// Lights that only tell how much of the sky is open.
     pub probes: Vec<DistantLight>,
     pub residual_sh: [[f32; 4]; 9],
+    pub full_sh: [[f32; 4]; 9],
+    /// The environment with mip levels.
     pub background: wgpu::TextureView,
     pub irradiance_full: wgpu::TextureView,
     pub prefiltered_full: wgpu::TextureView,
@@ -43,7 +45,7 @@ impl Lighting {
                 adapter: gpu.adapter().name.clone(),
             });
         }
-        let residual_sh = Sh9::project(&ambient.residual);
+        let sh = |map| Sh9::project(map).coefficients.map(|c| c.extend(0.0).to_array());
         let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
@@ -54,14 +56,24 @@ impl Lighting {
         Ok(Self {
             lights: ambient.lights,
             probes: ambient.probes,
-            residual_sh: residual_sh.coefficients.map(|c| c.extend(0.0).to_array()),
-            background: upload(gpu, "background", [map.radiance()]),
+            residual_sh: sh(&ambient.residual),
+            full_sh: sh(map),
+            background: upload(gpu, "background", mip_levels(map).iter().map(Equirect::radiance)),
             irradiance_full: upload(gpu, "irradiance", &[irradiance_map(map)]),
             prefiltered_full: prefiltered(map),
             prefiltered_residual: prefiltered(&ambient.residual),
             dfg_table: upload(gpu, "dfg", &[dfg]),
         })
     }
+}
+
+/// The map and its halves down to a height of 2 texels, flux conserved.
+fn mip_levels(map: &Equirect) -> Vec<Equirect> {
+    let mut levels = vec![map.clone()];
+    while let Some(last) = levels.last().filter(|last| last.height() >= 4) {
+        levels.push(last.resized(last.width() / 2, last.height() / 2));
+    }
+    levels
 }
 
 /// Uploads a picture and its mip levels in full precision: a sun exceeds what 16 bits hold.

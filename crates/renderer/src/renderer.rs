@@ -16,11 +16,13 @@ use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass::{self, LightPass};
 use crate::lighting::Lighting;
 use crate::materials::Materials;
+use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::recorder::{PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::{self, ShadowSettings, ShadowTechnique};
 use crate::shadow_batches::ShadowBatches;
+use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
 /// How frames are drawn.
@@ -44,6 +46,10 @@ pub struct RenderSettings {
     pub ambient_cells: usize,
     /// Name of a rule in [`crate::composite::COMPOSITINGS`].
     pub compositing: String,
+    /// Name of a source in [`crate::unshadowed::UNSHADOWED`].
+    pub unshadowed: String,
+    /// Texels along the side of a lobe's map in the radiance cache, 16 to 1024.
+    pub radiance_cache_resolution: u32,
     /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
     pub samples: u32,
     /// Samples along the side of a tile of the shadow buffer, 1, 2, 4, 8, 16 or 32: lights are summed once a tile, and wherever a
@@ -71,6 +77,8 @@ impl Default for RenderSettings {
             ambient: "cells".to_owned(),
             ambient_cells: 32,
             compositing: "ratio".to_owned(),
+            unshadowed: "auto".to_owned(),
+            radiance_cache_resolution: 128,
             samples: 2,
             shadow_sampling: 2,
             exposure_ev: 0.0,
@@ -97,11 +105,13 @@ pub struct Renderer<'gpu> {
     settings: RenderSettings,
     technique: &'static dyn ShadowTechnique,
     ambient: &'static Ambient,
+    unshadowed: &'static Unshadowed,
     passes: Passes,
     geometry: Geometry,
     materials: Materials,
     bounds: Option<Bounds>,
     near_lights: Vec<PlacedLight>,
+    cache: RadianceCache,
     lighting: Option<Lit>,
     target: Option<Target>,
     view: wgpu::Buffer,
@@ -115,6 +125,7 @@ struct Passes {
     points: ShadingPointsPass,
     frame_layout: wgpu::BindGroupLayout,
     compose: ComposePass,
+    cache: RadianceCachePass,
     resolve: ResolvePass,
 }
 
@@ -123,8 +134,14 @@ struct Lit {
     lighting: Lighting,
     batches: ShadowBatches,
     frame_groups: Vec<wgpu::BindGroup>,
-    environment_group: wgpu::BindGroup,
     light: LightPass,
+    environment: EnvironmentGroups,
+}
+
+/// Bind groups of the environment's maps and the radiance cache.
+struct EnvironmentGroups {
+    compose: wgpu::BindGroup,
+    cache: wgpu::BindGroup,
 }
 
 /// What depends on the picture's size.
@@ -135,6 +152,9 @@ struct Target {
     sample_group: wgpu::BindGroup,
     output: Output,
 }
+
+/// Samples of a lobe for every texel of the radiance cache.
+const CACHE_SAMPLES: u32 = 128;
 
 fn check_range<T: PartialOrd + std::fmt::Display>(
     what: &'static str,
@@ -168,6 +188,8 @@ impl<'gpu> Renderer<'gpu> {
         let ambient = ambient::by_name(&settings.ambient)?;
         check_range("cells of the ambient rest", settings.ambient_cells, 6..=4096)?;
         let compositing = composite::by_name(&settings.compositing)?;
+        let unshadowed = unshadowed::by_name(&settings.unshadowed)?;
+        check_range("resolution of the radiance cache", settings.radiance_cache_resolution, 16..=1024)?;
         check_range(
             "samples along the side of a tile of the shadow buffer",
             settings.shadow_sampling,
@@ -190,6 +212,7 @@ impl<'gpu> Renderer<'gpu> {
             points,
             frame_layout: light_pass::frame_layout(gpu),
             compose,
+            cache: RadianceCachePass::new(gpu)?,
             resolve: ResolvePass::new(gpu)?,
         };
         let scene = Scene::default();
@@ -203,6 +226,8 @@ impl<'gpu> Renderer<'gpu> {
             gpu,
             technique,
             ambient,
+            unshadowed,
+            cache: RadianceCache::new(gpu, Vec::new(), 1, 1),
             geometry: Geometry::new(gpu, &passes.transform, &scene)?,
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
             passes,
@@ -226,6 +251,13 @@ impl<'gpu> Renderer<'gpu> {
         self.geometry = Geometry::new(self.gpu, &self.passes.transform, scene)?;
         self.materials = Materials::new(self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.bounds = scene.bounds();
+        let lobes = self.unshadowed.cached_lobes(scene);
+        let resolution = self.settings.radiance_cache_resolution;
+        self.cache = RadianceCache::new(self.gpu, lobes, resolution, CACHE_SAMPLES);
+        if let Some(mut lit) = self.lighting.take() {
+            lit.environment = self.environment_groups(&lit.lighting);
+            self.lighting = Some(lit);
+        }
         self.set_near_lights(scene)?;
         self.gpu.check()
     }
@@ -285,9 +317,17 @@ impl<'gpu> Renderer<'gpu> {
         ];
         let light = LightPass::new(gpu, technique.module(&self.settings.shadow_settings), groups)?;
         let frame_groups = batches.frame_groups(gpu, &passes.frame_layout, &self.view);
-        let environment_group = passes.compose.environment_group(gpu, &self.view, &lighting);
-        self.lighting = Some(Lit { lighting, batches, frame_groups, environment_group, light });
+        let environment = self.environment_groups(&lighting);
+        self.lighting = Some(Lit { lighting, batches, frame_groups, light, environment });
         Ok(())
+    }
+
+    fn environment_groups(&self, lighting: &Lighting) -> EnvironmentGroups {
+        let (gpu, passes) = (self.gpu, &self.passes);
+        EnvironmentGroups {
+            compose: passes.compose.environment_group(gpu, &self.view, lighting, &self.cache),
+            cache: passes.cache.group(gpu, &self.cache, &lighting.background),
+        }
     }
 
     /// GPU memory of all shadow maps and their filtered images in bytes.
@@ -359,8 +399,10 @@ impl<'gpu> Renderer<'gpu> {
             gbuffer_group,
             &target.points,
         )?;
+        self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
+        recorder.end_pass("radiance cache")?;
         let groups =
-            [&lit.environment_group, gbuffer_group, &target.points.compose_group, &target.sample_group];
+            [&lit.environment.compose, gbuffer_group, &target.points.compose_group, &target.sample_group];
         self.passes.compose.encode(&mut recorder, groups, sample_size);
         recorder.end_pass("compose")?;
         self.passes.resolve.encode(
@@ -378,20 +420,24 @@ impl<'gpu> Renderer<'gpu> {
 
     fn write_uniforms(&self, lit: &Lit, camera: &Camera, [width, height]: [u32; 2]) {
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+        let flag = |on, flag| if on { flag } else { 0 };
         let view = layout::View {
             clip_from_world: matrices.clip_from_world.to_cols_array_2d(),
             world_from_clip: matrices.world_from_clip.to_cols_array_2d(),
             eye_world: matrices.eye_world.to_array(),
             size: [width, height],
-            flags: if self.settings.background { layout::FLAG_BACKGROUND } else { 0 },
+            flags: flag(self.settings.background, layout::FLAG_BACKGROUND)
+                | flag(self.unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
             shadow_sampling: self.settings.shadow_sampling,
             sample_extent: matrices.view_width / width as f32,
             padding_0: 0.0,
             padding_1: 0.0,
             padding_2: 0.0,
             residual_sh: lit.lighting.residual_sh,
+            full_sh: lit.lighting.full_sh,
         };
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        self.cache.write(self.gpu, camera.world_from_camera.z_axis.truncate().normalize());
         let offset = self.settings.normal_offset_texels;
         lit.batches.write_lights(self.gpu, &lit.lighting, &self.near_lights, &self.geometry.boxes, offset);
     }

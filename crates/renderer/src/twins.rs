@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
-use gnomon_shaders::twin::{depth_moments, math, resample, sample_pattern, series};
+use gnomon_shaders::twin::{depth_moments, hemisphere, math, resample, sample_pattern, series};
 
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
@@ -131,6 +131,33 @@ fn equirect_mapping() {
             uv.extend(0.0).extend(0.0)
         },
     );
+}
+
+#[test]
+fn hemisphere_maps() {
+    let above = |u, _| {
+        let n = unit_vector(u);
+        [Vec4::new(n.x, n.y, n.z.abs(), 0.0), Vec4::ZERO]
+    };
+    compare("hemisphere", "vec4f(hemisphere_encode(a.xyz), 0.0, 0.0)", 1e-5, above, |[a, _]| {
+        hemisphere::hemisphere_encode(a.truncate()).extend(0.0).extend(0.0)
+    });
+    compare("hemisphere", "vec4f(hemisphere_decode(hemisphere_encode(a.xyz)), 0.0)", 1e-5, above, |[a, _]| a);
+    compare(
+        "hemisphere",
+        "vec4f(hemisphere_decode(2.0 * a.xy - 1.0), 0.0)",
+        1e-5,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| hemisphere::hemisphere_decode(2.0 * Vec2::new(a.x, a.y) - 1.0).extend(0.0),
+    );
+}
+
+#[test]
+fn prefiltered_levels() {
+    let input = |u: Vec4, _| [Vec4::new(u.x * u.x * u.x, 1.0 + (7.0 * u.y).floor(), 0.0, 0.0), Vec4::ZERO];
+    compare("prefiltered", "vec4f(prefiltered_level(a.x, a.y), 0.0, 0.0, 0.0)", 1e-4, input, |[a, _]| {
+        scalar(gnomon_envmap::prefiltered_level(a.x, a.y))
+    });
 }
 
 #[test]

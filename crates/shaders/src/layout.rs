@@ -27,6 +27,10 @@ pub const MAX_BATCH_LIGHTS: u32 = 160;
 pub const FLAG_FIRST: u32 = 1;
 /// [`View::flags`]: draw the environment behind the scene.
 pub const FLAG_BACKGROUND: u32 = 1;
+/// [`View::flags`]: matte surfaces take irradiance from spherical harmonics.
+pub const FLAG_SPHERICAL_HARMONICS: u32 = 2;
+/// Most lobes of the radiance cache.
+pub const MAX_CACHED_LOBES: usize = 16;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -42,6 +46,7 @@ pub struct View {
     pub padding_1: f32,
     pub padding_2: f32,
     pub residual_sh: [[f32; 4]; 9],
+    pub full_sh: [[f32; 4]; 9],
 }
 
 #[repr(C)]
@@ -103,6 +108,27 @@ pub struct LightSums {
     pub padding_2: f32,
     pub specular_near: [f32; 3],
     pub padding_3: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CachedLobe {
+    pub model: u32,
+    pub parameter: f32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct RadianceCache {
+    pub right: [f32; 3],
+    pub count: u32,
+    pub up: [f32; 3],
+    pub samples: u32,
+    pub to_viewer: [f32; 3],
+    pub padding: u32,
+    pub lobes: [CachedLobe; MAX_CACHED_LOBES],
 }
 
 #[repr(C)]

@@ -59,6 +59,7 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             padding_1,
             padding_2,
             residual_sh,
+            full_sh,
         }),
         fields!(Light {
             direction,
@@ -99,6 +100,8 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             specular_near,
             padding_3,
         }),
+        fields!(CachedLobe { model, parameter, padding_0, padding_1 }),
+        fields!(RadianceCache { right, count, up, samples, to_viewer, padding, lobes }),
         fields!(MeshVertex { position, instance, normal, tangent_sign, tangent, padding }),
         fields!(Instance { world_from_mesh, normal_from_mesh }),
         fields!(Material {

@@ -1,6 +1,7 @@
 #import environment
 #import gbuffer_surface
-#import brdf_ggx
+#import brdf_reflectance
+#import cached_radiance
 #import sh
 #import shadow_buffer
 #import slot:composite
@@ -15,6 +16,7 @@
 @group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
 
 const FLAG_BACKGROUND: u32 = 1u;
+const FLAG_SPHERICAL_HARMONICS: u32 = 2u;
 
 fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
     (*sums).diffuse_unshadowed += weight * more.diffuse_unshadowed;
@@ -62,6 +64,14 @@ fn sums_at(sample: vec2u, surface: Surface) -> LightSums {
     return mean;
 }
 
+// Irradiance of the whole environment, unshadowed.
+fn full_irradiance(n: vec3f) -> vec3f {
+    if (view.flags & FLAG_SPHERICAL_HARMONICS) != 0u {
+        return max(sh_irradiance(view.full_sh, n), vec3f(0.0));
+    }
+    return equirect_lookup(irradiance_full, n, 0);
+}
+
 @compute @workgroup_size(8, 8)
 fn compose(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= view.size) {
@@ -87,7 +97,7 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
     let base_weight = 1.0 - max_component(f_schlick(interface_f0_f90.rgb, interface_f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
     let ambient_diffuse = max(sh_irradiance(view.residual_sh, surface.n), vec3f(0.0));
     let environment_diffuse = composite(
-        equirect_lookup(irradiance_full, surface.n, 0),
+        full_irradiance(surface.n),
         ambient_diffuse + sums.diffuse_unshadowed,
         open * ambient_diffuse + sums.diffuse_shadowed,
     );
@@ -97,10 +107,17 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
         let dfg = environment_brdf(n_dot_v, surface.roughness);
         let specular_albedo = surface.f0 * dfg.x + surface.f90 * dfg.y;
         let reflected = reflect(-surface.wo, surface.n);
-        let level = surface.roughness * f32(textureNumLevels(prefiltered_full) - 1u);
+        let level = prefiltered_level(surface.alpha, f32(textureNumLevels(prefiltered_full) - 1u));
         let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo;
+        var full_specular: vec3f;
+        let layer = cached_lobe(MODEL_METALLIC_ROUGHNESS, surface.roughness);
+        if layer >= 0 {
+            full_specular = cached_radiance(layer, reflected, surface.f0, surface.f90);
+        } else {
+            full_specular = equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo;
+        }
         result += composite(
-            equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo,
+            full_specular,
             ambient_specular + sums.specular_unshadowed,
             open * ambient_specular + sums.specular_shadowed,
         ) + sums.specular_near;

@@ -1,13 +1,14 @@
 #import view
 #import equirect_texture
+#import prefiltered
 
 // Group 0 of the pass that makes a picture of the sums.
 
-// The whole environment as the camera sees it.
+// The whole environment as the camera sees it, with mip levels.
 @group(0) @binding(1) var background: texture_2d<f32>;
 // Irradiance of the whole environment over the sphere of normals.
 @group(0) @binding(2) var irradiance_full: texture_2d<f32>;
-// GGX-prefiltered radiance, roughness rising linearly over the mip levels: whole environment, residual.
+// GGX-prefiltered radiance, levels as in prefiltered.wgsl: whole environment, residual.
 @group(0) @binding(3) var prefiltered_full: texture_2d<f32>;
 @group(0) @binding(4) var prefiltered_residual: texture_2d<f32>;
 // Scale and bias of f0 in the environment BRDF (Karis 2013) over (n.v, roughness).

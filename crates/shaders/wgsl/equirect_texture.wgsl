@@ -1,8 +1,13 @@
 #import math
 
+// Size of a level. Some drivers answer a query for a level that differs between invocations with one invocation's level.
+fn equirect_size(map: texture_2d<f32>, level: i32) -> vec2i {
+    return max(vec2i(textureDimensions(map, 0)) >> vec2u(u32(level)), vec2i(1));
+}
+
 // Texel of an equirect map whose columns wrap and whose rows continue over the poles.
 fn equirect_texel(map: texture_2d<f32>, x: i32, y: i32, level: i32) -> vec3f {
-    let size = vec2i(textureDimensions(map, level));
+    let size = equirect_size(map, level);
     var column = x;
     var row = y;
     if row < 0 {
@@ -18,7 +23,7 @@ fn equirect_texel(map: texture_2d<f32>, x: i32, y: i32, level: i32) -> vec3f {
 
 // Bilinear lookup without a seam: `Equirect::lookup`. Loads, not samples: radiance is 32-bit, and a sampler has a seam.
 fn equirect_lookup(map: texture_2d<f32>, direction: vec3f, level: i32) -> vec3f {
-    let position = uv_from_direction(direction) * vec2f(textureDimensions(map, level)) - 0.5;
+    let position = uv_from_direction(direction) * vec2f(equirect_size(map, level)) - 0.5;
     let corner = vec2i(floor(position));
     let t = position - floor(position);
     let top = mix(equirect_texel(map, corner.x, corner.y, level), equirect_texel(map, corner.x + 1, corner.y, level), t.x);

@@ -8,7 +8,7 @@ struct View {
     eye_world: vec4f,
     // Picture size in samples.
     size: vec2u,
-    // Bit 0: draw the environment behind the scene.
+    // Bit 0: draw the environment behind the scene. Bit 1: matte surfaces take irradiance from `full_sh`.
     flags: u32,
     // Samples of the picture along the side of a tile of the shadow buffer.
     shadow_sampling: u32,
@@ -17,8 +17,9 @@ struct View {
     padding_0: f32,
     padding_1: f32,
     padding_2: f32,
-    // SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
+    // SH coefficients (rgb) of radiance, in the order of `Sh9`: the residual's, the whole environment's.
     residual_sh: array<vec4f, 9>,
+    full_sh: array<vec4f, 9>,
 }
 
 const SHAPE_DISK: u32 = 0u;
@@ -120,6 +121,30 @@ struct LightSums {
     padding_2: f32,
     specular_near: vec3f,
     padding_3: f32,
+}
+
+// Most lobes of the radiance cache.
+const MAX_CACHED_LOBES: u32 = 16u;
+
+// What shapes a lobe of the radiance cache.
+struct CachedLobe {
+    model: u32,
+    // Roughness, shininess or slope.
+    parameter: f32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+// The radiance cache's frame, whose z axis points to the viewer, and its lobes.
+struct RadianceCache {
+    right: vec3f,
+    count: u32,
+    up: vec3f,
+    // Samples a texel.
+    samples: u32,
+    to_viewer: vec3f,
+    padding: u32,
+    lobes: array<CachedLobe, MAX_CACHED_LOBES>,
 }
 
 // One vertex as it lies in its mesh.

@@ -59,6 +59,11 @@ pub struct GpuArgs {
     #[arg(long, value_name = "NAME", default_value = "ratio")]
     pub compositing: String,
 
+    /// Where unshadowed light comes from: auto (irradiance map, prefiltered environment, radiance cache, by material), sh (nine
+    /// spherical harmonics for matte surfaces) or cache (a radiance cache for every glossy material)
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub unshadowed: String,
+
     /// Texels along each side of a light's shadow map, a power of two
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub shadow_resolution: u32,
@@ -196,6 +201,7 @@ pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> 
         ambient: args.ambient.clone(),
         ambient_cells: args.ambient_cells,
         compositing: args.compositing.clone(),
+        unshadowed: args.unshadowed.clone(),
         shadow_resolution: args.shadow_resolution,
         samples: args.supersample,
         shadow_sampling: args.shadow_sampling,

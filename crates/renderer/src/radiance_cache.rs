@@ -1,0 +1,99 @@
+use glam::Vec3;
+use gnomon_shaders::layout;
+
+use crate::bindings::{Binding, D2_ARRAY, array_view};
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// What lobes reflect of the whole environment for every normal that a viewer sees (DeCoro and Rusinkiewicz 2008, section 3.1).
+pub(crate) struct RadianceCache {
+    lobes: Vec<layout::CachedLobe>,
+    resolution: u32,
+    samples: u32,
+    /// A [`layout::RadianceCache`].
+    pub parameters: wgpu::Buffer,
+    /// Shares that f0 and f90 weigh, a layer a lobe.
+    pub maps: [wgpu::TextureView; 2],
+}
+
+/// Fills the cache.
+pub(crate) struct RadianceCachePass {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl RadianceCache {
+    /// A cache of so many texels a side for `lobes`, of which the first [`layout::MAX_CACHED_LOBES`] count, each texel from `samples`
+    /// samples of its lobe.
+    pub fn new(gpu: &Gpu, mut lobes: Vec<layout::CachedLobe>, resolution: u32, samples: u32) -> Self {
+        lobes.truncate(layout::MAX_CACHED_LOBES);
+        let side = if lobes.is_empty() { 1 } else { resolution };
+        let map = |label| {
+            let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+            let size = [side, side, lobes.len().max(1) as u32];
+            array_view(&gpu.texture(label, size, 1, FORMAT, usage))
+        };
+        let maps = [map("cached radiance of f0"), map("cached radiance of f90")];
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let parameters = gpu.empty_buffer("radiance cache", size_of::<layout::RadianceCache>() as u64, usage);
+        Self { lobes, resolution, samples, parameters, maps }
+    }
+
+    /// Takes the frame's direction to the viewer.
+    pub fn write(&self, gpu: &Gpu, to_viewer: Vec3) {
+        let (right, up) = to_viewer.any_orthonormal_pair();
+        let mut lobes = [layout::CachedLobe::default(); layout::MAX_CACHED_LOBES];
+        lobes[..self.lobes.len()].copy_from_slice(&self.lobes);
+        let parameters = layout::RadianceCache {
+            right: right.to_array(),
+            count: self.lobes.len() as u32,
+            up: up.to_array(),
+            samples: self.samples,
+            to_viewer: to_viewer.to_array(),
+            padding: 0,
+            lobes,
+        };
+        gpu.queue.write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));
+    }
+}
+
+impl RadianceCachePass {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let written = Binding::StorageTexture { format: FORMAT, dimension: D2_ARRAY };
+        let bindings = [(0, Binding::Uniform), (1, Binding::LOADED), (2, written), (3, written)];
+        let layout = gpu.layout("radiance cache", wgpu::ShaderStages::COMPUTE, &bindings);
+        let module = gpu.shader("radiance_cache", &[])?;
+        let pipeline = gpu.compute_pipeline(&module, "fill_cache", &[Some(&layout)]);
+        Ok(Self { layout, pipeline })
+    }
+
+    /// The pass's bind group; `environment` has mip levels.
+    pub fn group(
+        &self,
+        gpu: &Gpu,
+        cache: &RadianceCache,
+        environment: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        let [f0, f90] = &cache.maps;
+        let resources = [
+            (0, cache.parameters.as_entire_binding()),
+            (1, wgpu::BindingResource::TextureView(environment)),
+            (2, wgpu::BindingResource::TextureView(f0)),
+            (3, wgpu::BindingResource::TextureView(f90)),
+        ];
+        gpu.bind_group("radiance cache", &self.layout, &resources)
+    }
+
+    pub fn encode(&self, recorder: &mut Recorder<'_>, cache: &RadianceCache, group: &wgpu::BindGroup) {
+        if cache.lobes.is_empty() {
+            return;
+        }
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        let groups = cache.resolution.div_ceil(8);
+        pass.dispatch_workgroups(groups, groups, cache.lobes.len() as u32);
+    }
+}

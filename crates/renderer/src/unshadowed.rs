@@ -1,0 +1,78 @@
+//! Where the unshadowed light that shadows are taken from comes from, side by side on one interface (DeCoro and Rusinkiewicz 2008,
+//! section 3.1).
+
+use gnomon_brdf::Model;
+use gnomon_scene::Scene;
+use gnomon_shaders::layout::CachedLobe;
+
+use crate::RenderError;
+
+/// A source of unshadowed light.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Unshadowed {
+    /// Name for people and files.
+    pub name: &'static str,
+    /// One line for help texts.
+    pub summary: &'static str,
+    /// Matte surfaces take nine spherical harmonics instead of the irradiance map.
+    pub(crate) spherical_harmonics: bool,
+    /// GGX takes the radiance cache instead of the prefiltered environment.
+    pub(crate) caches_ggx: bool,
+}
+
+impl Unshadowed {
+    /// The lobes of a scene's materials that are looked up in the radiance cache, each once. The default material has none.
+    pub(crate) fn cached_lobes(&self, scene: &Scene) -> Vec<CachedLobe> {
+        let mut lobes: Vec<CachedLobe> = Vec::new();
+        for surface in scene.materials.iter().map(|material| &material.surface) {
+            let cached = match surface.model {
+                Model::Lambert => false,
+                Model::MetallicRoughness => self.caches_ggx,
+                _ => true,
+            };
+            let lobe = CachedLobe {
+                model: surface.model as u32,
+                parameter: surface.lobe_parameter(),
+                ..Default::default()
+            };
+            if cached && !surface.is_matte() && !lobes.contains(&lobe) {
+                lobes.push(lobe);
+            }
+        }
+        lobes
+    }
+}
+
+/// Every source.
+pub const UNSHADOWED: &[Unshadowed] = &[
+    Unshadowed {
+        name: "auto",
+        summary: "irradiance map; for GGX the prefiltered environment, for other lobes a radiance cache made every frame",
+        spherical_harmonics: false,
+        caches_ggx: false,
+    },
+    Unshadowed {
+        name: "sh",
+        summary: "irradiance from nine spherical harmonics (Ramamoorthi and Hanrahan 2001), else as auto",
+        spherical_harmonics: true,
+        caches_ggx: false,
+    },
+    Unshadowed {
+        name: "cache",
+        summary: "a radiance cache made every frame for every lobe (DeCoro and Rusinkiewicz 2008)",
+        spherical_harmonics: false,
+        caches_ggx: true,
+    },
+];
+
+/// The source called `name`.
+///
+/// # Errors
+/// [`RenderError::UnknownName`] lists the names there are.
+pub fn by_name(name: &str) -> Result<&'static Unshadowed, RenderError> {
+    UNSHADOWED.iter().find(|source| source.name == name).ok_or_else(|| RenderError::UnknownName {
+        what: "source of unshadowed light",
+        name: name.to_owned(),
+        choices: UNSHADOWED.iter().map(|source| source.name).collect::<Vec<_>>().join(", "),
+    })
+}
