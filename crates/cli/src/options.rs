@@ -11,6 +11,7 @@ use std::str::FromStr;
 use clap::Args;
 use gnomon::envmap::Projection;
 use gnomon::lights::FitOptions;
+use gnomon::lights::fit::{Sampler, sampler_by_name};
 
 /// How many lights a fit makes.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -28,6 +29,14 @@ pub struct FitArgs {
     /// Largest angular width and height of a light, in degrees [default: the fit's own]
     #[arg(long, value_name = "DEG", value_parser = finite)]
     max_extent: Option<f32>,
+
+    /// Where samples are placed: median-cut, variance-cut, structured or stratified (see gnomon info) [default: median-cut]
+    #[arg(long, value_name = "NAME", value_parser = sampler)]
+    sampler: Option<Sampler>,
+
+    /// Seed of random samplers (stratified): the same seed gives the same lights
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    seed: u64,
 }
 
 impl FitArgs {
@@ -37,6 +46,8 @@ impl FitArgs {
             light_count: self.light_count,
             threshold: self.threshold,
             max_extent: self.max_extent.map(f32::to_radians),
+            sampler: self.sampler,
+            seed: self.seed,
         }
     }
 }
@@ -79,6 +90,14 @@ pub fn finite(text: &str) -> Result<f32, String> {
 /// Says what was expected.
 pub fn stops(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|stops| stops.abs() <= 60.0).ok_or("expected stops from -60 to 60".to_owned())
+}
+
+/// A sampler by its name.
+///
+/// # Errors
+/// Lists the names.
+pub fn sampler(text: &str) -> Result<Sampler, String> {
+    sampler_by_name(text).map_err(|error| error.to_string())
 }
 
 /// A projection by its name.

@@ -1,6 +1,6 @@
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::LUMINANCE;
+use gnomon_image::{LUMINANCE, RgbImage};
 use serde_json::{Map, Value};
 
 use crate::DistantLight;
@@ -31,6 +31,17 @@ impl LightSet {
     /// A set without recorded parameters, for lights that no fit made.
     pub fn new(method: &'static str, lights: Vec<DistantLight>, residual: Equirect) -> Self {
         Self { method, parameters: Map::new(), lights, residual }
+    }
+
+    /// Lights that hold all of `map`'s flux, so that what is left of it is black.
+    pub(crate) fn without_residual(
+        method: &'static str,
+        parameters: Map<String, Value>,
+        lights: Vec<DistantLight>,
+        map: &Equirect,
+    ) -> Self {
+        let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
+        Self { method, parameters, lights, residual }
     }
 
     /// Flux [radiance x sr] of all lights together, channel by channel.
@@ -74,9 +85,6 @@ impl LightSet {
 #[cfg(test)]
 mod tests {
     use std::f32::consts::FRAC_PI_2;
-
-    use glam::Vec3;
-    use gnomon_image::RgbImage;
 
     use super::*;
 

@@ -6,7 +6,7 @@ use common::{flux_error, is_physical, quarter_turn, turn_error};
 use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
-use gnomon_lights::fit::{FitError, by_name, methods};
+use gnomon_lights::fit::{FitError, by_name, methods, sampler_by_name, samplers};
 use gnomon_lights::{DistantLight, FitOptions, LightFit, LightSet, LightShape};
 use proptest::prelude::*;
 
@@ -20,10 +20,12 @@ fn all_fits() -> Vec<Box<dyn LightFit>> {
         FitOptions { max_extent: Some(0.7), ..none },
         FitOptions { max_extent: Some(0.7), threshold: Some(0.03), ..none },
     ];
+    let sampled = samplers().iter().map(|&sampler| FitOptions { sampler: Some(sampler), ..none });
+    let options: Vec<FitOptions> = options.into_iter().chain(sampled).collect();
     methods()
         .iter()
         .flat_map(|method| options.iter().map(|options| method.build(options)))
-        .filter(|fit| !matches!(fit, Err(FitError::NoThreshold(_))))
+        .filter(|fit| !matches!(fit, Err(FitError::NoThreshold(_) | FitError::NoSampler(_))))
         .map(Result::unwrap)
         .collect()
 }
@@ -212,6 +214,7 @@ fn options_out_of_range_are_refused_in_words() {
         ("disks", FitOptions { max_extent: Some(0.01), ..none }, "out of range"),
         ("squares", FitOptions { max_extent: Some(f32::NAN), ..none }, "out of range"),
         ("partition", FitOptions { threshold: Some(0.1), ..none }, "no threshold"),
+        ("disks", FitOptions { sampler: sampler_by_name("structured").ok(), ..none }, "no sampler"),
         ("squares", FitOptions { light_count: Some(9), threshold: Some(0.1), ..none }, "exclude"),
     ] {
         let message = by_name(name, &options).err().unwrap().to_string();

@@ -91,6 +91,13 @@ fn lists() -> Vec<(&'static str, Vec<String>)> {
                 .collect(),
         ),
         (
+            "samplers",
+            gnomon::lights::fit::samplers()
+                .iter()
+                .map(|sampler| format!("{}: {}", sampler.name, sampler.summary))
+                .collect(),
+        ),
+        (
             "shadow techniques",
             gnomon::renderer::shadow::names().map(|(name, summary)| format!("{name}: {summary}")).collect(),
         ),

@@ -33,7 +33,7 @@ const EXTENT_WEIGHT: f64 = 1e-3;
 /// # Errors
 /// A count or an extent out of range, a map without texels or with some that are no radiance.
 pub fn cells(map: &Equirect, count: usize, max_extent: Option<f32>) -> Result<Vec<DistantLight>, FitError> {
-    let options = FitOptions { light_count: Some(count), threshold: None, max_extent };
+    let options = FitOptions { light_count: Some(count), max_extent, ..FitOptions::default() };
     options.validate()?;
     options.validate_tiling("partition")?;
     check_map(map)?;

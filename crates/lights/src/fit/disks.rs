@@ -1,10 +1,11 @@
 use glam::DVec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::LUMINANCE;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::error::check_map;
+use super::faces::luminance;
+use super::options::Stop;
 use super::sphere_grid::{RowInterval, SphereGrid, cone_coverage};
 use super::{FitError, FitOptions, LightFit};
 use crate::{DistantLight, LightSet};
@@ -44,12 +45,6 @@ pub struct Disks {
     sizes: Vec<FilterSize>,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Stop {
-    Weber(f32),
-    Count(usize),
-}
-
 /// One filter: angles in radians.
 #[derive(Clone, Copy, Debug)]
 struct FilterSize {
@@ -68,6 +63,7 @@ impl Disks {
     /// light would be wider.
     pub fn new(options: &FitOptions) -> Result<Self, FitError> {
         options.validate()?;
+        options.refuse_sampler("disks")?;
         let ratio = EXTENT_DEGREES.1 / EXTENT_DEGREES.0;
         let mut sizes: Vec<FilterSize> = (0..SIZES)
             .map(|i| {
@@ -84,7 +80,7 @@ impl Disks {
         }
         let stop = match options.light_count {
             Some(count) => Stop::Count(count),
-            None => Stop::Weber(options.threshold.unwrap_or(WEBER)),
+            None => Stop::Threshold(options.threshold.unwrap_or(WEBER)),
         };
         Ok(Self { stop, sizes })
     }
@@ -97,10 +93,7 @@ impl LightFit for Disks {
 
     fn parameters(&self) -> Map<String, Value> {
         let mut parameters = Map::new();
-        match self.stop {
-            Stop::Weber(share) => parameters.insert("threshold".into(), json!(share)),
-            Stop::Count(count) => parameters.insert("light_count".into(), json!(count)),
-        };
+        self.stop.insert_into(&mut parameters);
         let degrees = self.sizes.iter().map(|size| size.extent.to_degrees());
         parameters.insert("filter_extents_degrees".into(), json!(degrees.collect::<Vec<_>>()));
         parameters.insert("inner_to_outer_radius".into(), json!(INNER));
@@ -124,8 +117,8 @@ impl LightFit for Disks {
                 let left = texel * (1.0 - part.share) as f32;
                 flux += (texel.as_dvec3() - left.as_dvec3()) * map.texel_solid_angle(part.row as u32);
             }
-            let luminous = flux.dot(LUMINANCE.as_dvec3());
-            if let Stop::Weber(share) = self.stop
+            let luminous = luminance(flux);
+            if let Stop::Threshold(share) = self.stop
                 && luminous < f64::from(share) * luminous_sum
             {
                 break;

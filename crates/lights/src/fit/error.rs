@@ -36,6 +36,17 @@ pub enum FitError {
     /// A threshold for a fit that has none.
     #[error("fit '{0}' has no threshold: give a light count")]
     NoThreshold(&'static str),
+    /// No sampler has that name.
+    #[error("unknown sampler '{name}': choose one of {known}")]
+    UnknownSampler {
+        /// What was asked for.
+        name: String,
+        /// The names there are, separated by commas.
+        known: String,
+    },
+    /// A sampler for a fit that places no points.
+    #[error("fit '{0}' has no sampler: only 'samples' places points")]
+    NoSampler(&'static str),
     /// A largest extent that the fit cannot honour.
     #[error(
         "largest light extent {} degrees is out of range for {method}: give {:.1} to 180",
@@ -73,6 +84,11 @@ impl FitError {
     pub(super) fn unknown_method(name: &str) -> Self {
         let known = super::methods().iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
         Self::UnknownMethod { name: name.to_owned(), known }
+    }
+
+    pub(super) fn unknown_sampler(name: &str) -> Self {
+        let known = super::samplers().iter().map(|sampler| sampler.name).collect::<Vec<_>>().join(", ");
+        Self::UnknownSampler { name: name.to_owned(), known }
     }
 }
 

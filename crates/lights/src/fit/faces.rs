@@ -242,7 +242,7 @@ fn azimuths(count: usize) -> Vec<[f64; 2]> {
 }
 
 /// Luminance of linear RGB in double precision.
-pub(super) fn luminance(rgb: DVec3) -> f64 {
+pub(crate) fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(LUMINANCE.as_dvec3())
 }
 

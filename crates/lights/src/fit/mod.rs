@@ -19,10 +19,11 @@ use serde_json::{Map, Value};
 pub use cells::cells;
 pub use disks::Disks;
 pub use error::FitError;
+pub(crate) use faces::luminance;
 pub use options::{FitOptions, MAX_LIGHTS};
 pub use partition::Partition;
 pub use rectangles::{Outline, Rectangles};
-pub use samples::Samples;
+pub use samples::{Sampler, Samples, sampler_by_name, samplers};
 
 use crate::LightSet;
 

@@ -1,5 +1,7 @@
-use super::FitError;
+use serde_json::{Map, Value, json};
+
 use super::rectangles::LEAST_EXTENT;
+use super::{FitError, Sampler};
 
 /// Fewest lights that can cover the sphere: one a cube face.
 const LEAST_COUNT: usize = 6;
@@ -16,6 +18,27 @@ pub struct FitOptions {
     pub threshold: Option<f32>,
     /// Largest diameter of a disk or side of a rectangle [rad].
     pub max_extent: Option<f32>,
+    /// How point samples are placed; only for the fit that makes them.
+    pub sampler: Option<Sampler>,
+    /// Seed of what is random: a stratified sampler. The same seed gives the same lights.
+    pub seed: u64,
+}
+
+/// Where a fit stops that has a threshold.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Stop {
+    Threshold(f32),
+    Count(usize),
+}
+
+impl Stop {
+    /// Adds itself to the settings of a fit.
+    pub(super) fn insert_into(self, parameters: &mut Map<String, Value>) {
+        match self {
+            Self::Threshold(threshold) => parameters.insert("threshold".into(), json!(threshold)),
+            Self::Count(count) => parameters.insert("light_count".into(), json!(count)),
+        };
+    }
 }
 
 impl FitOptions {
@@ -30,6 +53,16 @@ impl FitOptions {
             Self { threshold: Some(t), .. } if !(t > 0.0 && t < 1.0) => Err(FitError::Threshold(t)),
             _ => Ok(()),
         }
+    }
+
+    /// For fits that only go by a count.
+    pub(super) fn refuse_threshold(&self, method: &'static str) -> Result<(), FitError> {
+        if self.threshold.is_some() { Err(FitError::NoThreshold(method)) } else { Ok(()) }
+    }
+
+    /// For fits that place no points.
+    pub(super) fn refuse_sampler(&self, method: &'static str) -> Result<(), FitError> {
+        if self.sampler.is_some() { Err(FitError::NoSampler(method)) } else { Ok(()) }
     }
 
     /// Checks what every fit asks that covers the whole sphere: a light a face, and no light too narrow to do so.

@@ -1,9 +1,8 @@
-use glam::Vec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::{LUMINANCE, RgbImage};
 use serde_json::{Map, Value, json};
 
 use super::cells::{FACE_SIZE, cells};
+use super::faces::luminance;
 use super::{FitError, FitOptions, LightFit};
 use crate::LightSet;
 
@@ -33,9 +32,8 @@ impl Partition {
     pub fn new(options: &FitOptions) -> Result<Self, FitError> {
         options.validate()?;
         options.validate_tiling("partition")?;
-        if options.threshold.is_some() {
-            return Err(FitError::NoThreshold("partition"));
-        }
+        options.refuse_threshold("partition")?;
+        options.refuse_sampler("partition")?;
         Ok(Self { light_count: options.light_count.unwrap_or(LIGHT_COUNT), max_extent: options.max_extent })
     }
 }
@@ -55,9 +53,7 @@ impl LightFit for Partition {
 
     fn fit(&self, map: &Equirect) -> Result<LightSet, FitError> {
         let mut lights = cells(map, self.light_count, self.max_extent)?;
-        let luminous = LUMINANCE.as_dvec3();
-        lights.sort_by(|a, b| b.flux().dot(luminous).total_cmp(&a.flux().dot(luminous)));
-        let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
-        Ok(LightSet { method: self.name(), parameters: self.parameters(), lights, residual })
+        lights.sort_by(|a, b| luminance(b.flux()).total_cmp(&luminance(a.flux())));
+        Ok(LightSet::without_residual(self.name(), self.parameters(), lights, map))
     }
 }

@@ -1,12 +1,12 @@
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::error::check_map;
 use super::faces::{Faces, TexelRect, luminance};
 use super::growth::{Growth, ROUNDING, luminous, take};
+use super::options::Stop;
 use super::{FitError, FitOptions, LightFit};
 use crate::{DistantLight, LightSet};
 
@@ -52,12 +52,6 @@ pub struct Rectangles {
     max_extent: Option<f32>,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Stop {
-    Threshold(f32),
-    Count(usize),
-}
-
 pub(super) fn build_rectangles(options: &FitOptions) -> Result<Box<dyn LightFit>, FitError> {
     Ok(Box::new(Rectangles::new(Outline::Rectangle, options)?))
 }
@@ -73,6 +67,7 @@ impl Rectangles {
     pub fn new(outline: Outline, options: &FitOptions) -> Result<Self, FitError> {
         options.validate()?;
         options.validate_tiling(name(outline))?;
+        options.refuse_sampler(name(outline))?;
         let stop = match (options.light_count, options.threshold) {
             (Some(count), _) => Stop::Count(count),
             (None, Some(threshold)) => Stop::Threshold(threshold),
@@ -174,10 +169,7 @@ impl LightFit for Rectangles {
 
     fn parameters(&self) -> Map<String, Value> {
         let mut parameters = Map::new();
-        match self.stop {
-            Stop::Threshold(threshold) => parameters.insert("threshold".into(), json!(threshold)),
-            Stop::Count(count) => parameters.insert("light_count".into(), json!(count)),
-        };
+        self.stop.insert_into(&mut parameters);
         parameters.insert("face_size".into(), json!(FACE_SIZE));
         parameters.insert("max_extent".into(), json!(self.max_extent));
         parameters
@@ -195,7 +187,6 @@ impl LightFit for Rectangles {
                 lights
             }
         };
-        let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
-        Ok(LightSet { method: self.name(), parameters, lights, residual })
+        Ok(LightSet::without_residual(self.name(), parameters, lights, map))
     }
 }

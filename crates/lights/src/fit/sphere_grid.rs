@@ -140,7 +140,7 @@ impl SphereGrid {
 
 /// Half the azimuth range [rad] of the circle of latitude `theta` inside the cone of half angle `radius` around a
 /// direction at polar angle `centre`: 0 where they do not meet, pi where the circle lies inside.
-fn cone_half_width(centre: f64, theta: f64, radius: f64) -> f64 {
+pub(super) fn cone_half_width(centre: f64, theta: f64, radius: f64) -> f64 {
     // Spherical law of cosines.
     let cosine = (radius.cos() - centre.cos() * theta.cos()) / (centre.sin() * theta.sin());
     if cosine >= 1.0 {

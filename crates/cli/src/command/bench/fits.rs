@@ -1,5 +1,5 @@
 use clap::Args;
-use gnomon::lights::bench::time_fits;
+use gnomon::lights::bench::{sampler_errors, time_fits};
 use serde_json::json;
 
 use crate::error::CliError;
@@ -7,7 +7,9 @@ use crate::options::{EnvironmentSpec, load_environment};
 use crate::output;
 use crate::terminal::{Terminal, print};
 
-/// Time every light fit on one environment map
+/// Time every light fit on one environment map, and compare the samplers
+///
+/// A sampler's error is the relative RMSE of irradiance over 256 receivers, each before a plane that hides half of the sphere.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   gnomon bench fits
@@ -17,7 +19,7 @@ pub struct FitsArgs {
     #[arg(value_name = "ENV", default_value = "room")]
     environment: String,
 
-    /// Runs of each fit; the median counts
+    /// Runs of each fit; the median and the least count
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
 
@@ -25,6 +27,9 @@ pub struct FitsArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// Numbers of samples at which samplers are compared.
+const COUNTS: [usize; 4] = [16, 64, 256, 1024];
 
 /// Runs the command.
 ///
@@ -34,30 +39,49 @@ pub fn run(args: &FitsArgs, terminal: Terminal) -> Result<(), CliError> {
     let map = load_environment(&EnvironmentSpec::named(&args.environment), terminal)?;
     let spinner = terminal.spinner("fitting");
     let timings = time_fits(&map, args.repeats as usize)?;
+    let errors = sampler_errors(&map, &COUNTS)?;
     drop(spinner);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     if args.json {
         let fits: Vec<_> = timings
             .iter()
-            .map(|fit| json!({ "method": fit.method, "lights": fit.lights, "median_milliseconds": fit.median_ms }))
+            .map(|fit| {
+                json!({
+                    "method": fit.method, "sampler": fit.sampler, "lights": fit.lights,
+                    "median_milliseconds": fit.median_ms, "least_milliseconds": fit.least_ms,
+                })
+            })
+            .collect();
+        let samplers: Vec<_> = errors
+            .iter()
+            .map(|error| json!({ "sampler": error.sampler, "relative_rmse": error.relative_rmse }))
             .collect();
         return print(&output::json(&json!({
             "environment": args.environment, "width": map.width(), "height": map.height(),
             "threads": threads, "repeats": args.repeats, "fits": fits,
+            "sample_counts": COUNTS, "samplers": samplers,
         })));
     }
     let mut table = format!(
-        "{} ({} x {}), {threads} threads, median of {}\n{:<12} {:>6} {:>10}\n",
+        "{} ({} x {}), {threads} threads, {} runs\n{:<22} {:>6} {:>10} {:>10}\n",
         args.environment,
         map.width(),
         map.height(),
         args.repeats,
         "fit",
         "lights",
-        "ms"
+        "median ms",
+        "least ms"
     );
     for fit in &timings {
-        table += &format!("{:<12} {:>6} {:>10.1}\n", fit.method, fit.lights, fit.median_ms);
+        let name = fit.sampler.map_or(fit.method.to_owned(), |sampler| format!("{}, {sampler}", fit.method));
+        table += &format!("{name:<22} {:>6} {:>10.1} {:>10.1}\n", fit.lights, fit.median_ms, fit.least_ms);
     }
-    print(&table)
+    table += &format!("\n{:<22}", "error with N samples");
+    table.extend(COUNTS.map(|count| format!(" {count:>8}")));
+    for error in &errors {
+        table += &format!("\n{:<22}", error.sampler);
+        table.extend(error.relative_rmse.iter().map(|error| format!(" {error:>8.4}")));
+    }
+    print(&(table + "\n"))
 }
