@@ -3,9 +3,10 @@
 //! Measures: `f` is per steradian without the cosine; every pdf is per steradian of `wi`. `wo` points to the viewer, `wi`
 //! to the light, both unit length; in the local frame `z` is the shading normal.
 //!
-//! References: Walter et al. 2007 (GGX, Beckmann); Heidrich 2001 (Torrance-Sparrow); Phong 1975, Lewis 1994, Blinn 1977; Heitz 2014, 2018 (masking, visible normals); glTF 2.0 appendix B with
+//! References: Walter et al. 2007 (GGX, Beckmann); Heidrich 2001 (Torrance-Sparrow); Phong 1975, Lafortune and Willems 1994, Blinn 1977; Heitz 2014, 2018 (masking, visible normals); glTF 2.0 appendix B with
 //! `KHR_materials_specular` and `KHR_materials_ior`; Karis 2013 (split sum).
 
+mod area;
 mod blinn_phong;
 mod dfg;
 mod fresnel;
@@ -20,6 +21,7 @@ mod sampling;
 mod surface;
 mod torrance_sparrow;
 
+pub use area::{LightPatch, erf, gaussian_interval, gaussian_patch, light_lobe};
 pub use blinn_phong::{blinn_phong_lobe, blinn_phong_norm, blinn_phong_pdf, blinn_phong_sample};
 pub use dfg::{dfg, dfg_table};
 pub use fresnel::{f_schlick, f0_from_ior};

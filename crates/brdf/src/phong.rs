@@ -1,4 +1,4 @@
-//! Phong's lobe about the mirrored view direction (Phong 1975), reciprocal and normalised as by Lewis 1994.
+//! Phong's lobe about the mirrored view direction (Phong 1975), reciprocal and normalised as by Lafortune and Willems 1994.
 
 use std::f32::consts::TAU;
 

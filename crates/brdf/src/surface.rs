@@ -77,7 +77,7 @@ impl Surface {
             Model::Lambert => Layers { diffuse: self.base_color, f0: Vec3::ZERO, f90: 0.0 },
             Model::Phong | Model::BlinnPhong => Layers {
                 diffuse: self.base_color,
-                f0: (self.specular * self.specular_color).min(Vec3::ONE),
+                f0: self.specular_color.min(Vec3::ONE) * self.specular,
                 f90: self.specular,
             },
             Model::MetallicRoughness | Model::TorranceSparrowBeckmann | Model::TorranceSparrowGaussian => {

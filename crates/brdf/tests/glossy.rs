@@ -181,7 +181,7 @@ fn models_take_what_concerns_them() {
     };
     let layers = |model| Surface { model, ..surface }.layers();
     let phong = layers(Model::Phong);
-    assert_eq!((phong.diffuse, phong.f0), (surface.base_color, Vec3::new(0.5, 1.0, 0.25)));
+    assert_eq!((phong.diffuse, phong.f0), (surface.base_color, Vec3::new(0.5, 0.5, 0.25)));
     let facets = layers(Model::TorranceSparrowBeckmann);
     assert_eq!(facets.diffuse, 0.75 * surface.base_color);
     assert!((facets.f0.x - (0.75 * 0.02 + 0.25 * 0.8)).abs() < 1e-6 && facets.f90 == 0.625);

@@ -44,6 +44,27 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--lights", "lamps"], "lamps"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--ground", "lava"], "'lava'"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--camera", "eye=1,2"], "eye"),
+        (
+            &["render", "three-boxes", "--env", "room", "-o", "a.png", "--reflectance", "phnog"],
+            "are: lambert",
+        ),
+        (
+            &["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--reflectance", "phong"],
+            "'shininess'",
+        ),
+        (
+            &[
+                "reference",
+                "three-boxes",
+                "--env",
+                "room",
+                "-o",
+                "a.exr",
+                "--reflectance",
+                "lambert:diffuse=2",
+            ],
+            "diffuse must be 0 to 1",
+        ),
         (&["render", "absent.glb", "--env", "room", "-o", "a.png"], "'absent.glb'"),
         (&["reference", "three-boxes", "--env", "absent.hdr", "-o", "a.exr"], "'absent.hdr'"),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--spp", "0"], "samples"),

@@ -1,5 +1,5 @@
 use glam::{DVec2, Vec3};
-use gnomon_brdf::{MetallicRoughness, Reflectance, local_from_world, world_from_local};
+use gnomon_brdf::{local_from_world, world_from_local};
 use gnomon_envmap::Equirect;
 
 use crate::Ray;
@@ -22,7 +22,7 @@ pub(crate) struct Tracer<'a> {
 /// cosine as well. These few are for surfaces in the shade of what gets most light samples: they bound the noise there
 /// and cost a tenth more elsewhere (measured: a quarter costs 40 %).
 const MATTE_REFLECTION_SHARE: f64 = 0.1;
-/// The same for a surface with a microfacet lobe, which the light does not know.
+/// The same for a surface with a glossy lobe, which the light does not know.
 const GLOSSY_REFLECTION_SHARE: f64 = 0.5;
 
 impl Tracer<'_> {
@@ -53,12 +53,11 @@ impl Tracer<'_> {
         [direction, choice]: [DVec2; 2],
     ) -> Vec3 {
         let n = point.shading_normal;
-        let model = MetallicRoughness::new(point.surface);
+        let model = point.surface.reflectance();
         let wo_local = local_from_world(n, wo);
         let lifted = point.lifted();
         let light = light.aim(lifted, n);
-        let matte = point.surface.metallic == 0.0 && point.surface.specular == 0.0;
-        let share = if matte { MATTE_REFLECTION_SHARE } else { GLOSSY_REFLECTION_SHARE };
+        let share = if point.surface.is_matte() { MATTE_REFLECTION_SHARE } else { GLOSSY_REFLECTION_SHARE };
         let wi = if choice.x < share {
             let sample = model.sample(wo_local, to_vec2(direction), choice.y as f32);
             sample.map(|sample| world_from_local(n, sample.wi).normalize())

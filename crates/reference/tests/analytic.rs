@@ -4,7 +4,7 @@
 mod support;
 
 use glam::{DVec3, Vec2, Vec3};
-use gnomon_brdf::{Surface, dfg};
+use gnomon_brdf::{Model, Surface, dfg, local_from_world};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
@@ -82,6 +82,58 @@ fn white_furnace_shows_the_directional_albedo_of_ggx() {
         let expected = f64::from(table.x + table.y);
         assert!((mean.x - expected).abs() < 4.0 * error.x + 3e-3, "{roughness} {tilt}: {mean} {expected}");
         assert!(error.x < 5e-3);
+    }
+}
+
+/// Every model in a room with a bright window, against a sum over the whole map; Phong seen along the normal in a white room reflects
+/// what its two colours are.
+#[test]
+fn glossy_models_match_quadrature() {
+    let map = Equirect::new(RgbImage::from_fn(64, 32, |x, y| {
+        Vec3::splat(if (x / 6, y / 4) == (3, 2) { 20.0 } else { 0.2 + 0.01 * x as f32 })
+    }));
+    let models = [
+        (Model::Phong, 40.0),
+        (Model::BlinnPhong, 120.0),
+        (Model::TorranceSparrowBeckmann, 0.25),
+        (Model::TorranceSparrowGaussian, 0.4),
+    ];
+    for (model, parameter) in models {
+        let surface = Surface {
+            model,
+            shininess: parameter,
+            slope: parameter,
+            specular: 0.3,
+            ior: 3.0,
+            ..Surface::default()
+        };
+        let seen = |tilt: f32, map: &Equirect| {
+            let eye = Vec3::new(tilt.sin(), tilt.cos(), 0.0);
+            let camera = Camera::look_at(eye, Vec3::ZERO, 1.0);
+            let camera = Camera { projection: Projection::Orthographic { half_width: 0.1 }, ..camera };
+            let floor = scene(vec![(floor(50.0, 0.0), surface)]);
+            (eye, render(&floor, &camera, map, &options(16, 16, 256)).unwrap())
+        };
+        let (wo, estimate) = seen(0.7, &map);
+        let lobe = surface.reflectance();
+        let (columns, rows) = (1024, 512);
+        let mut expected = 0.0;
+        for i in 0..columns * rows {
+            let uv = Vec2::new((i % columns) as f32 + 0.5, (i / columns) as f32 + 0.5);
+            let uv = uv / Vec2::new(columns as f32, rows as f32);
+            let wi = Equirect::direction_from_uv(uv);
+            if wi.y > 0.0 {
+                let f = lobe.evaluate(local_from_world(Vec3::Y, wo), local_from_world(Vec3::Y, wi));
+                let weight = wi.y * (std::f32::consts::PI * uv.y).sin();
+                expected += f64::from(f.x * map.lookup(wi).x * weight);
+            }
+        }
+        expected *= 2.0 * std::f64::consts::PI.powi(2) / f64::from(columns * rows);
+        assert_mean(&estimate, Vec3::splat(expected as f32), model.name());
+        if model == Model::Phong {
+            let (_, white) = seen(0.0, &constant_environment(Vec3::ONE));
+            assert_mean(&white, Vec3::splat(0.5 + 0.3), "phong along the normal");
+        }
     }
 }
 

@@ -1,5 +1,5 @@
 use glam::{Affine3A, Mat4};
-use gnomon_scene::{MeshId, Scene, normal_matrix};
+use gnomon_scene::{MaterialId, MeshId, Scene, normal_matrix};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
@@ -36,15 +36,14 @@ pub(crate) struct Geometry {
     pub boxes: Vec<InstanceBox>,
     vertex_count: u32,
     instances: wgpu::Buffer,
-    instance_meshes: Vec<MeshId>,
+    /// Mesh and material of every instance.
+    placed: Vec<(MeshId, Option<MaterialId>)>,
     bind_group: wgpu::BindGroup,
 }
 
 impl Geometry {
     pub fn new(gpu: &Gpu, transform: &TransformPass, scene: &Scene) -> Result<Self, RenderError> {
-        let mut placed = scene.instances();
-        // One draw a material: instances of the same material lie side by side.
-        placed.sort_by_key(|(mesh, _)| scene.meshes[mesh.0].material.map(|material| material.0));
+        let placed = by_material(scene);
         let total: usize = placed.iter().map(|(mesh, _)| scene.meshes[mesh.0].positions.len()).sum();
         let limits = gpu.device.limits();
         let vertex_bytes = size_of::<layout::MeshVertex>() as u64;
@@ -138,16 +137,26 @@ impl Geometry {
             boxes,
             vertex_count: total as u32,
             instances,
-            instance_meshes: placed.iter().map(|(mesh, _)| *mesh).collect(),
+            placed: placed.iter().map(|(mesh, _)| (*mesh, scene.meshes[mesh.0].material)).collect(),
             bind_group,
         })
     }
 
+    /// Whether these are the instances of the scene's that were uploaded, each with the material it had.
+    fn is_of(&self, scene: &Scene, placed: &[(MeshId, Affine3A)]) -> bool {
+        let now = placed.iter().map(|(mesh, _)| (*mesh, scene.meshes[mesh.0].material));
+        now.eq(self.placed.iter().copied())
+    }
+
+    /// Whether the scene places the same meshes, each with the material that it had.
+    pub fn has_materials_of(&self, scene: &Scene) -> bool {
+        self.is_of(scene, &by_material(scene))
+    }
+
     /// Takes over new placements of the same scene, for the next frame. Boxes follow.
     pub fn move_instances(&mut self, gpu: &Gpu, scene: &Scene) -> bool {
-        let mut placed = scene.instances();
-        placed.sort_by_key(|(mesh, _)| scene.meshes[mesh.0].material.map(|material| material.0));
-        if placed.iter().map(|(mesh, _)| *mesh).ne(self.instance_meshes.iter().copied()) {
+        let placed = by_material(scene);
+        if !self.is_of(scene, &placed) {
             return false;
         }
         gpu.queue.write_buffer(&self.instances, 0, &instance_bytes(placed.iter().map(|(_, w)| *w)));
@@ -156,6 +165,13 @@ impl Geometry {
         }
         true
     }
+}
+
+/// Every placed mesh. One draw a material: instances of the same material lie side by side.
+fn by_material(scene: &Scene) -> Vec<(MeshId, Affine3A)> {
+    let mut placed = scene.instances();
+    placed.sort_by_key(|(mesh, _)| scene.meshes[mesh.0].material.map(|material| material.0));
+    placed
 }
 
 fn instance_bytes(placements: impl Iterator<Item = Affine3A>) -> Vec<u8> {

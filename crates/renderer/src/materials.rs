@@ -1,5 +1,6 @@
 use glam::{Vec3, Vec4};
-use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureRef, Wrap};
+use gnomon_brdf::Model;
+use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
@@ -8,6 +9,9 @@ use crate::{Gpu, RenderError};
 /// Bind groups of a scene's materials; the last one is the default material.
 pub(crate) struct Materials {
     bind_groups: Vec<wgpu::BindGroup>,
+    /// [`layout::Material`] of each.
+    parameters: Vec<wgpu::Buffer>,
+    textures: Vec<[Option<TextureId>; 6]>,
 }
 
 /// The six textures of a material in the order of `gbuffer.wgsl`, and whether each is sRGB.
@@ -20,6 +24,10 @@ fn textures(material: &Material) -> [(Option<TextureRef>, bool); 6] {
         (material.specular_color_texture, true),
         (material.emissive_texture, true),
     ]
+}
+
+fn texture_ids(material: &Material) -> [Option<TextureId>; 6] {
+    textures(material).map(|(reference, _)| reference.map(|reference| reference.texture))
 }
 
 pub(crate) fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
@@ -51,7 +59,8 @@ impl Materials {
         let default = Material::default();
         let all = scene.materials.iter().chain([&default]);
         let mut bind_groups = Vec::with_capacity(scene.materials.len() + 1);
-        for material in all {
+        let mut buffers = Vec::with_capacity(scene.materials.len() + 1);
+        for material in all.clone() {
             let parameters = gpu.buffer_with(
                 "material",
                 bytemuck::bytes_of(&uniform(material)),
@@ -72,8 +81,21 @@ impl Materials {
                 resources.push((2 * i as u32 + 2, wgpu::BindingResource::Sampler(sampler)));
             }
             bind_groups.push(gpu.bind_group("material", layout, &resources));
+            buffers.push(parameters);
         }
-        Ok(Self { bind_groups })
+        Ok(Self { bind_groups, parameters: buffers, textures: all.map(texture_ids).collect() })
+    }
+
+    /// Takes new parameters of the same materials over, for the next frame; `false` where their number or a texture is another.
+    pub fn rewrite(&self, gpu: &Gpu, scene: &Scene) -> bool {
+        let last = self.textures.len() - 1;
+        if !scene.materials.iter().map(texture_ids).eq(self.textures[..last].iter().copied()) {
+            return false;
+        }
+        for (material, buffer) in scene.materials.iter().zip(&self.parameters) {
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform(material)));
+        }
+        true
     }
 
     /// The bind group of one of the scene's materials, or of the default one.
@@ -91,20 +113,32 @@ fn uniform(material: &Material) -> layout::Material {
         uv_rows[2 * i] = [x.x, y.x, t.x, set];
         uv_rows[2 * i + 1] = [x.y, y.y, t.y, set];
     }
+    // What a model leaves out of a surface has no effect here: a lambertian one reflects only its base colour, the specular colour of
+    // the Phong models is that of an interface which reflects everything.
+    let (metallic, specular, ior) = match surface.model {
+        Model::Lambert => (0.0, 0.0, surface.ior),
+        Model::Phong | Model::BlinnPhong => (0.0, surface.specular, 0.0),
+        _ => (surface.metallic, surface.specular, surface.ior),
+    };
+    let model = if surface.model == Model::Lambert { Model::MetallicRoughness } else { surface.model };
     let has_normal_texture = material.normal_texture.is_some();
     layout::Material {
         base_color: surface.base_color.extend(material.alpha).to_array(),
         emissive: material.emissive.to_array(),
-        metallic: surface.metallic,
+        metallic,
         specular_color: surface.specular_color.to_array(),
-        specular: surface.specular,
+        specular,
         roughness: surface.roughness,
-        ior: surface.ior,
+        ior,
         normal_scale: if has_normal_texture { material.normal_scale } else { 0.0 },
         alpha_cutoff: match material.alpha_mode {
             AlphaMode::Opaque => 0.0,
             AlphaMode::Mask { cutoff } => cutoff,
         },
+        model: model as u32,
+        lobe_parameter: surface.lobe_parameter(),
+        padding_0: 0,
+        padding_1: 0,
         uv_rows,
     }
 }

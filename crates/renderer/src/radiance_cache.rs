@@ -41,6 +41,15 @@ impl RadianceCache {
         Self { lobes, resolution, samples, parameters, maps }
     }
 
+    /// Takes other lobes for the next frame; `false` where they are more or fewer than before.
+    pub fn rewrite(&mut self, lobes: &[layout::CachedLobe]) -> bool {
+        let same = lobes.len() == self.lobes.len();
+        if same {
+            self.lobes.copy_from_slice(lobes);
+        }
+        same
+    }
+
     /// Takes the frame's direction to the viewer.
     pub fn write(&self, gpu: &Gpu, to_viewer: Vec3) {
         let (right, up) = to_viewer.any_orthonormal_pair();

@@ -25,6 +25,8 @@ use crate::shadow_batches::ShadowBatches;
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
+mod materials;
+
 /// How frames are drawn.
 #[derive(Clone, Debug)]
 pub struct RenderSettings {
@@ -251,13 +253,7 @@ impl<'gpu> Renderer<'gpu> {
         self.geometry = Geometry::new(self.gpu, &self.passes.transform, scene)?;
         self.materials = Materials::new(self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.bounds = scene.bounds();
-        let lobes = self.unshadowed.cached_lobes(scene);
-        let resolution = self.settings.radiance_cache_resolution;
-        self.cache = RadianceCache::new(self.gpu, lobes, resolution, CACHE_SAMPLES);
-        if let Some(mut lit) = self.lighting.take() {
-            lit.environment = self.environment_groups(&lit.lighting);
-            self.lighting = Some(lit);
-        }
+        self.cache_lobes(scene);
         self.set_near_lights(scene)?;
         self.gpu.check()
     }

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
+use gnomon_brdf::Model;
 use gnomon_scene::{
     AreaLightShape, Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene,
     SceneError, load,
@@ -94,6 +95,24 @@ fn lights_are_placed_and_ride_on_models() {
 }
 
 #[test]
+fn materials_name_their_reflectance() {
+    let loaded = attempt(
+        "[[model]]\nfile = \"triangle.obj\"\nmaterial = \"gloss\"\n\
+         [material.gloss]\nreflectance = \"torrance-sparrow-gaussian\"\nslope = 0.2\nspecular = 0.9\n\
+         [material.wax]\nreflectance = \"blinn-phong\"\nshininess = 12\nspecular = 0.5\nspecular_color = [1, 0.5, 0]\n",
+    )
+    .unwrap();
+    let surface = &loaded.scene.materials[0].surface;
+    assert_eq!((surface.model, surface.slope, surface.specular), (Model::TorranceSparrowGaussian, 0.2, 0.9));
+    let surface = &loaded.scene.materials[1].surface;
+    assert_eq!((surface.model, surface.shininess), (Model::BlinnPhong, 12.0));
+    assert_eq!(surface.specular_color, Vec3::new(1.0, 0.5, 0.0));
+    let warnings = &loaded.scene.warnings;
+    assert_eq!(warnings.len(), 1, "0.5 + 0.9 of light is more than there is: {warnings:?}");
+    assert!(warnings[0].contains("material 'gloss': torrance-sparrow-gaussian"), "{warnings:?}");
+}
+
+#[test]
 fn mistakes_are_named_with_their_line() {
     for (text, reason) in [
         ("\ngruond = \"plane\"\n", "line 2: unknown field `gruond`"),
@@ -115,7 +134,15 @@ fn mistakes_are_named_with_their_line() {
             "line 1: eye and target are the same point",
         ),
         ("[environment]\nrotation = 3\n", "line 1: an environment has either"),
-        ("[material.a]\nroughness = 2\n", "line 1: roughness of material 'a' must be 0 to 1"),
+        ("[material.a]\nroughness = 2\n", "line 1: material 'a': roughness must be 0 to 1"),
+        (
+            "[material.a]\nreflectance = \"phnog\"\n",
+            "line 1: material 'a': there is no reflectance 'phnog' (there are: lambert,",
+        ),
+        ("[material.a]\nreflectance = \"phong\"\n", "line 1: material 'a': phong needs 'shininess'"),
+        ("[material.a]\nreflectance = \"phong\"\nroughness = 1\n", "'roughness' is no parameter of phong"),
+        ("[material.a]\nshininess = 3\n", "'shininess' is no parameter of metallic-roughness"),
+        ("[material.a]\nemissive = [1, -1, 0]\n", "line 1: material 'a': emissive must be at least 0"),
         ("\n[[light]]\nradius = 1\n", "line 2: missing field `shape`"),
         ("[[light]]\nshape = \"cone\"\n", "line 2: unknown variant `cone`"),
         ("[[light]]\nshape = \"disk\"\nsize = 1\nradiance = [1, 1, 1]\n", "line 1: a disk has 'radius'"),

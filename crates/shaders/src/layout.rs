@@ -161,6 +161,10 @@ pub struct Material {
     pub ior: f32,
     pub normal_scale: f32,
     pub alpha_cutoff: f32,
+    pub model: u32,
+    pub lobe_parameter: f32,
+    pub padding_0: u32,
+    pub padding_1: u32,
     pub uv_rows: [[f32; 4]; 12],
 }
 

@@ -40,6 +40,7 @@ macro_rules! sources {
 
 const MODULES: &[(&str, &str)] = sources![
     "basis",
+    "brdf_area",
     "brdf_blinn_phong",
     "brdf_ggx",
     "brdf_phong",

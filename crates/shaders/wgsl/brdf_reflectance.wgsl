@@ -63,6 +63,40 @@ fn reflectance_lobe(model: u32, parameter: f32, n: vec3f, wo: vec3f, wi: vec3f) 
     return lobe * vec2f(1.0 - share, share);
 }
 
+// Roughness of a GGX lobe about as wide (Walter et al. 2007, section 5.3; Phong's exponent is a quarter of Blinn's).
+fn equivalent_roughness(model: u32, parameter: f32) -> f32 {
+    switch model {
+        case MODEL_PHONG: {
+            return sqrt(sqrt(2.0 / (4.0 * parameter + 2.0)));
+        }
+        case MODEL_BLINN_PHONG: {
+            return sqrt(sqrt(2.0 / (parameter + 2.0)));
+        }
+        case MODEL_TORRANCE_SPARROW_BECKMANN, MODEL_TORRANCE_SPARROW_GAUSSIAN: {
+            return sqrt(parameter);
+        }
+        default: {
+            return parameter;
+        }
+    }
+}
+
+// Share of uniform light that a lobe reflects, x f0 + y f90, given GGX's of equivalent roughness: that of narrow Phong lobes falls with the
+// cosine and its square.
+fn lobe_albedo(model: u32, n_dot_v: f32, ggx_albedo: vec2f) -> vec2f {
+    switch model {
+        case MODEL_PHONG: {
+            return vec2f(n_dot_v, 0.0);
+        }
+        case MODEL_BLINN_PHONG: {
+            return vec2f(n_dot_v * n_dot_v, 0.0);
+        }
+        default: {
+            return ggx_albedo;
+        }
+    }
+}
+
 struct LobeSample {
     wi: vec3f,
     // 1 / sr; 0 where the sample is lost under the surface.

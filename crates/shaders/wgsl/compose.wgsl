@@ -104,13 +104,13 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
     let diffuse = base_weight * (environment_diffuse + sums.diffuse_near);
     var result = surface.emission + surface.diffuse_color / PI * diffuse;
     if surface.f90 > 0.0 {
-        let dfg = environment_brdf(n_dot_v, surface.roughness);
+        let dfg = lobe_albedo(surface.model, n_dot_v, environment_brdf(n_dot_v, surface.roughness));
         let specular_albedo = surface.f0 * dfg.x + surface.f90 * dfg.y;
         let reflected = reflect(-surface.wo, surface.n);
         let level = prefiltered_level(surface.alpha, f32(textureNumLevels(prefiltered_full) - 1u));
         let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo;
         var full_specular: vec3f;
-        let layer = cached_lobe(MODEL_METALLIC_ROUGHNESS, surface.roughness);
+        let layer = cached_lobe(surface.model, surface.parameter);
         if layer >= 0 {
             full_specular = cached_radiance(layer, reflected, surface.f0, surface.f90);
         } else {

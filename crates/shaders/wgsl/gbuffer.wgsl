@@ -1,5 +1,6 @@
 #import view
 #import math
+#import brdf_reflectance
 
 // What is seen through every sample of the picture: normals, reflectance, emission. No light here.
 
@@ -38,11 +39,11 @@ struct Varying {
 struct GBufferSample {
     // Octahedral shading normal, octahedral geometric normal; both face the viewer.
     @location(0) normals: vec4f,
-    // Base colour, metallic.
+    // Base colour, metallic; of other models than metallic-roughness the matte part's colour, and the model's number times -1.
     @location(1) base_color_metallic: vec4f,
-    // Dielectric reflectance at normal incidence, and at grazing incidence.
+    // Dielectric reflectance at normal incidence, and at grazing incidence; of other models that of the glossy part.
     @location(2) f0_f90: vec4f,
-    // Emitted radiance, roughness.
+    // Emitted radiance, roughness; of other models the parameter of the lobe.
     @location(3) emissive_roughness: vec4f,
 }
 
@@ -105,8 +106,15 @@ fn gbuffer_fragment(surface: Varying) -> GBufferSample {
 
     var packed: GBufferSample;
     packed.normals = vec4f(octahedral_encode(normal), octahedral_encode(geometric_normal));
-    packed.base_color_metallic = vec4f(base_color.rgb, material.metallic * metallic_roughness.b);
-    packed.f0_f90 = vec4f(f0, specular);
-    packed.emissive_roughness = vec4f(emissive, material.roughness * metallic_roughness.g);
+    let metallic = material.metallic * metallic_roughness.b;
+    if material.model == MODEL_METALLIC_ROUGHNESS {
+        packed.base_color_metallic = vec4f(base_color.rgb, metallic);
+        packed.f0_f90 = vec4f(f0, specular);
+        packed.emissive_roughness = vec4f(emissive, material.roughness * metallic_roughness.g);
+    } else {
+        packed.base_color_metallic = vec4f(base_color.rgb * (1.0 - metallic), -f32(material.model));
+        packed.f0_f90 = mix(vec4f(f0, specular), vec4f(base_color.rgb, 1.0), metallic);
+        packed.emissive_roughness = vec4f(emissive, material.lobe_parameter);
+    }
     return packed;
 }

@@ -1,5 +1,5 @@
 #import view
-#import math
+#import brdf_reflectance
 
 // Group 1 of every pass over the screen: what is seen through the samples of the picture.
 
@@ -8,9 +8,6 @@
 @group(1) @binding(2) var gbuffer_base_color_metallic: texture_2d<f32>;
 @group(1) @binding(3) var gbuffer_f0_f90: texture_2d<f32>;
 @group(1) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
-
-// `gnomon_brdf::MIN_ALPHA`.
-const MIN_ALPHA: f32 = 0.002;
 
 struct Surface {
     position_world: vec3f,
@@ -23,9 +20,13 @@ struct Surface {
     // Reflectance of the glossy part along the normal and at grazing incidence; it is absent where the latter is 0.
     f0: vec3f,
     f90: f32,
+    // Which model of `brdf_reflectance.wgsl`, and its roughness, shininess or slope.
+    model: u32,
+    parameter: f32,
+    // Of GGX; of other models that of a lobe as wide.
     roughness: f32,
     alpha: f32,
-    // Reflectance along the normal and at grazing incidence of the interface above a matte base.
+    // Reflectance along the normal and at grazing incidence of the interface above a matte base; 0 where the two are just added.
     interface_f0_f90: vec4f,
     emission: vec3f,
 }
@@ -56,7 +57,9 @@ fn surface_at(sample: vec2u, depth: f32) -> Surface {
     let base_color_metallic = textureLoad(gbuffer_base_color_metallic, sample, 0);
     let f0_f90 = textureLoad(gbuffer_f0_f90, sample, 0);
     let emissive_roughness = textureLoad(gbuffer_emissive_roughness, sample, 0);
-    let metallic = base_color_metallic.a;
+    // Negative: another model than metallic-roughness, its colours mixed already.
+    let code = base_color_metallic.a;
+    let metallic = max(code, 0.0);
 
     var surface: Surface;
     surface.position_world = position_at(sample, depth);
@@ -66,9 +69,11 @@ fn surface_at(sample: vec2u, depth: f32) -> Surface {
     surface.diffuse_color = base_color_metallic.rgb * (1.0 - metallic);
     surface.f0 = mix(f0_f90.rgb, base_color_metallic.rgb, metallic);
     surface.f90 = mix(f0_f90.a, 1.0, metallic);
-    surface.roughness = emissive_roughness.a;
-    surface.alpha = max(surface.roughness * surface.roughness, MIN_ALPHA);
-    surface.interface_f0_f90 = f0_f90;
+    surface.model = u32(max(0.5 - code, 0.0));
+    surface.parameter = emissive_roughness.a;
+    surface.roughness = equivalent_roughness(surface.model, surface.parameter);
+    surface.alpha = alpha_from_roughness(surface.roughness);
+    surface.interface_f0_f90 = select(vec4f(0.0), f0_f90, surface.model == MODEL_METALLIC_ROUGHNESS);
     surface.emission = emissive_roughness.rgb;
     return surface;
 }

@@ -1,6 +1,6 @@
 #import frame
 #import gbuffer_surface
-#import brdf_reflectance
+#import brdf_area
 #import form_factor
 
 // Unshadowed light of one area light on a surface.
@@ -58,8 +58,42 @@ fn ggx_lobe(surface: Surface, wi: vec3f, alpha: f32) -> vec3f {
         * (d_ggx(saturate(dot(surface.n, h)), alpha) * v_smith_ggx_correlated(n_dot_v, n_dot_l, surface.alpha) * n_dot_l);
 }
 
-// Radiance reflected by the surface's microfacets per unit of the light's radiance.
+// A light as a point of the scene sees it; its sides keep the solid angle.
+fn light_patch(light: u32, position_world: vec3f) -> LightPatch {
+    var seen: LightPatch;
+    seen.is_disk = lights[light].shape == SHAPE_DISK;
+    if lights[light].kind == KIND_DISTANT {
+        seen.direction = lights[light].direction;
+        let half_extent = lights[light].half_extent;
+        let flat_area = select(4.0, PI, seen.is_disk) * half_extent.x * half_extent.y;
+        let scale = sqrt(lights[light].solid_angle / max(flat_area, 1e-20));
+        seen.half_width = lights[light].tangent * (scale * half_extent.x);
+        seen.half_height = lights[light].bitangent * (scale * half_extent.y);
+        return seen;
+    }
+    let to_light = lights[light].position - position_world;
+    let distance = max(length(to_light), 1e-20);
+    seen.direction = to_light / distance;
+    let half_extent = min(lights[light].half_extent / distance, vec2f(1.0));
+    if lights[light].kind == KIND_SPHERE {
+        seen.half_width = world_from_local(seen.direction, vec3f(half_extent.x, 0.0, 0.0));
+        seen.half_height = world_from_local(seen.direction, vec3f(0.0, half_extent.x, 0.0));
+        return seen;
+    }
+    let tangent = lights[light].tangent;
+    let bitangent = lights[light].bitangent;
+    seen.half_width = half_extent.x * (tangent - seen.direction * dot(seen.direction, tangent));
+    seen.half_height = half_extent.y * (bitangent - seen.direction * dot(seen.direction, bitangent));
+    return seen;
+}
+
+// Radiance reflected by the surface's glossy part per unit of the light's radiance.
 fn light_specular(light: u32, surface: Surface) -> vec3f {
+    if surface.model != MODEL_METALLIC_ROUGHNESS {
+        let seen = light_patch(light, surface.position_world);
+        let lobe = light_lobe(surface.model, surface.parameter, surface.n, surface.wo, seen);
+        return lobe.x * surface.f0 + lobe.y * surface.f90;
+    }
     if lights[light].kind == KIND_DISTANT {
         // The light's extent widens the lobe (Karis 2013, area lights): alpha' = alpha + half the light's radius.
         let solid_angle = lights[light].solid_angle;

@@ -177,6 +177,11 @@ struct Material {
     normal_scale: f32,
     // Alpha below this is a hole; 0 for opaque materials.
     alpha_cutoff: f32,
+    // Reflectance model, a number of `brdf_reflectance.wgsl`, and of all but metallic-roughness what shapes its lobe.
+    model: u32,
+    lobe_parameter: f32,
+    padding_0: u32,
+    padding_1: u32,
     // Rows of uv_from_mesh (xyz) and the coordinate set (w), two vectors a texture, in the order of the bindings.
     uv_rows: array<vec4f, 12>,
 }

@@ -4,8 +4,8 @@ use clap::{Args, ValueEnum};
 use gnomon::envmap::{Equirect, Projection};
 use gnomon::image::LUMINANCE;
 use gnomon::scene::{
-    Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, Scene, builtin,
-    default_camera, load,
+    Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, ReflectanceSettings,
+    Scene, builtin, default_camera, load,
 };
 
 use crate::error::CliError;
@@ -44,6 +44,12 @@ pub struct InputArgs {
     /// Ground under the scene [default: plane for OBJ and PLY, none for others]
     #[arg(long, value_name = "GROUND")]
     ground: Option<GroundName>,
+
+    /// Reflectance of every material of the scene but the ground's, as MODEL:KEY=VALUE,...: phong or blinn-phong (shininess, specular,
+    /// diffuse), torrance-sparrow-beckmann or -gaussian (slope, specular, ior, metallic, diffuse), metallic-roughness
+    /// (roughness, ...), lambert; a color is one number or R/G/B [default: the scene's own]
+    #[arg(long, value_name = "MODEL")]
+    reflectance: Option<ReflectanceSettings>,
 
     /// Exposure of PNG output in stops [default: the scene file's, or what brings the environment's mean to 0.5]
     #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = stops)]
@@ -90,6 +96,9 @@ impl Inputs {
         let Size { width, height } = args.size;
         let aspect = width as f32 / height as f32;
         let LoadedScene { mut scene, environment, ground } = load_scene(&args.scene, aspect)?;
+        if let Some(reflectance) = &args.reflectance {
+            scene.set_reflectance(reflectance);
+        }
         for warning in &scene.warnings {
             terminal.warn(&format!("{}: {warning}", args.scene));
         }

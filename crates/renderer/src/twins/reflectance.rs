@@ -1,7 +1,7 @@
 //! The reflectance models.
 
 use glam::{Vec2, Vec3, Vec4};
-use gnomon_brdf::Model;
+use gnomon_brdf::{Model, world_from_local};
 
 use super::{compare, scalar, unit_vector};
 
@@ -93,4 +93,30 @@ fn normalisations() {
         |u, _| [u, Vec4::ZERO],
         |[a, _]| scalar(gnomon_brdf::g1_smith_ggx(a.x + 0.01, a.y)),
     );
+}
+
+#[test]
+fn lobes_over_area_lights() {
+    for (model, parameter) in CASES {
+        for is_disk in [false, true] {
+            // Half sides of 1 mrad to 0.3 rad, one of them slanted.
+            let body = format!(
+                "vec4f(light_lobe({}u, {parameter:?}, {N_WGSL}, a.xyz, LightPatch(b.xyz, \
+                 world_from_local(b.xyz, vec3f(0.001 + 0.3 * a.w, 0.0, 0.0)), \
+                 world_from_local(b.xyz, vec3f(0.1 * a.w, 0.001 + 0.3 * b.w, 0.0)), {is_disk})), 0.0, 0.0)",
+                model as u32
+            );
+            compare("brdf_area", &body, TOLERANCE, directions, |[a, b]| {
+                let direction = b.truncate();
+                let light = gnomon_brdf::LightPatch {
+                    direction,
+                    half_width: world_from_local(direction, Vec3::new(0.001 + 0.3 * a.w, 0.0, 0.0)),
+                    half_height: world_from_local(direction, Vec3::new(0.1 * a.w, 0.001 + 0.3 * b.w, 0.0)),
+                    is_disk,
+                };
+                let lobe = gnomon_brdf::light_lobe(model, parameter, N, a.truncate(), &light);
+                lobe.extend(0.0).extend(0.0)
+            });
+        }
+    }
 }

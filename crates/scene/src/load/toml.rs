@@ -11,7 +11,8 @@ use serde::Deserialize;
 use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadedScene, Source, load_within};
 use crate::camera::CameraSettings;
 use crate::error::{Fault, one_line};
-use crate::{Ground, Material, MaterialId, Node, Scene, builtin};
+use crate::reflectance::excess;
+use crate::{Ground, Material, MaterialId, Node, ReflectanceSettings, Scene, builtin};
 
 mod light;
 
@@ -86,12 +87,15 @@ impl Default for Scale {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MaterialEntry {
+    reflectance: Option<String>,
     base_color: Option<[f32; 3]>,
     metallic: Option<f32>,
     roughness: Option<f32>,
     specular: Option<f32>,
     specular_color: Option<[f32; 3]>,
     ior: Option<f32>,
+    shininess: Option<f32>,
+    slope: Option<f32>,
     emissive: Option<[f32; 3]>,
     double_sided: Option<bool>,
 }
@@ -107,6 +111,8 @@ impl Reader<'_> {
         let mut materials = BTreeMap::new();
         for (name, entry) in &file.material {
             let material = self.material(name, entry)?;
+            let excess = excess(&material.surface);
+            scene.warnings.extend(excess.map(|excess| format!("material '{}': {excess}", one_line(name))));
             materials.insert(name.as_str(), MaterialId(scene.materials.len()));
             scene.materials.push(material);
         }
@@ -186,42 +192,27 @@ impl Reader<'_> {
 
     fn material(&self, name: &str, spanned: &Spanned<MaterialEntry>) -> Result<Material, Fault> {
         let entry = spanned.get_ref();
-        let check = |what: &str, values: &[f32], least: f32, most: f32| -> Result<(), Fault> {
-            if values.iter().all(|value| (least..=most).contains(value)) {
-                return Ok(());
-            }
-            let range =
-                if most == f32::MAX { format!("at least {least}") } else { format!("{least} to {most}") };
-            Err(self.at(spanned, format!("{what} of material '{}' must be {range}", one_line(name))))
-        };
+        let mistake = |message: String| self.at(spanned, format!("material '{}': {message}", one_line(name)));
         let mut material = Material { name: one_line(name), double_sided: true, ..Material::default() };
-        let surface = &mut material.surface;
-        if let Some(color) = entry.base_color {
-            check("base_color", &color, 0.0, 1.0)?;
-            surface.base_color = Vec3::from_array(color);
-        }
-        if let Some(color) = entry.specular_color {
-            check("specular_color", &color, 0.0, f32::MAX)?;
-            surface.specular_color = Vec3::from_array(color);
-        }
-        if let Some(color) = entry.emissive {
-            check("emissive", &color, 0.0, f32::MAX)?;
-            material.emissive = Vec3::from_array(color);
-        }
-        if let Some(ior) = entry.ior {
-            check("ior", &[ior], 1.0, 10.0)?;
-            surface.ior = ior;
-        }
-        let fields = [
-            ("metallic", entry.metallic, &mut surface.metallic),
-            ("roughness", entry.roughness, &mut surface.roughness),
-            ("specular", entry.specular, &mut surface.specular),
+        let colors = [("base_color", &entry.base_color), ("specular_color", &entry.specular_color)];
+        let numbers = [
+            ("metallic", &entry.metallic),
+            ("roughness", &entry.roughness),
+            ("specular", &entry.specular),
+            ("ior", &entry.ior),
+            ("shininess", &entry.shininess),
+            ("slope", &entry.slope),
         ];
-        for (what, value, field) in fields {
-            if let Some(value) = value {
-                check(what, &[value], 0.0, 1.0)?;
-                *field = value;
+        let colors = colors.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?.as_slice())));
+        let numbers =
+            numbers.into_iter().filter_map(|(key, value)| Some((key, std::slice::from_ref(value.as_ref()?))));
+        let settings = ReflectanceSettings::new(entry.reflectance.as_deref(), colors.chain(numbers));
+        settings.map_err(mistake)?.apply(&mut material.surface);
+        if let Some(color) = entry.emissive {
+            if !color.iter().all(|value| (0.0..=f32::MAX).contains(value)) {
+                return Err(mistake("emissive must be at least 0".to_owned()));
             }
+            material.emissive = Vec3::from_array(color);
         }
         material.double_sided = entry.double_sided.unwrap_or(true);
         Ok(material)

@@ -1,0 +1,143 @@
+//! Reflectance models on the GPU: against the ray tracer, and edited while running.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::*;
+use glam::{DVec2, DVec3, Vec3};
+use gnomon_brdf::{Model, Surface};
+use gnomon_image::RgbImage;
+use gnomon_lights::{DistantLight, LightSet};
+use gnomon_metrics::tolerances;
+use gnomon_reference::{ReferenceOptions, ResidualShadows};
+use gnomon_renderer::{Gpu, RenderSettings, Renderer};
+use gnomon_scene::{Camera, Material, MaterialId, Scene};
+
+const MODELS: [(Model, f32); 6] = [
+    (Model::Lambert, 0.0),
+    (Model::Phong, 40.0),
+    (Model::Phong, 150.0),
+    (Model::BlinnPhong, 100.0),
+    (Model::TorranceSparrowBeckmann, 0.2),
+    (Model::TorranceSparrowGaussian, 0.3),
+];
+
+fn surface((model, parameter): (Model, f32)) -> Surface {
+    Surface {
+        base_color: Vec3::new(0.4, 0.3, 0.2),
+        specular: 0.6,
+        specular_color: Vec3::new(1.0, 0.8, 0.5),
+        ior: 2.5,
+        model,
+        shininess: parameter,
+        slope: parameter,
+        ..Surface::default()
+    }
+}
+
+fn one_sphere(surface: Surface) -> Scene {
+    scene_of(vec![sphere()], Material { surface, ..Material::default() })
+}
+
+/// A disk and a rectangle, all light of the scene.
+fn lights() -> LightSet {
+    let frame = [DVec3::NEG_X, DVec3::Y, DVec3::Z];
+    let lights = vec![
+        DistantLight::disk(DVec3::new(-1.0, 0.7, 0.8).normalize(), 0.1, DVec3::new(1.0, 1.2, 0.9)),
+        DistantLight::rectangle(
+            frame,
+            DVec2::new(-0.4, 0.1),
+            DVec2::new(0.0, 0.2),
+            DVec3::new(0.6, 0.8, 1.0),
+        ),
+    ];
+    LightSet::new("test", lights, no_light())
+}
+
+fn camera() -> Camera {
+    Camera::look_at(Vec3::new(0.0, 0.5, 4.0), Vec3::ZERO, 0.6)
+}
+
+/// Unshadowed lights, which on a convex body are all there is.
+fn settings() -> RenderSettings {
+    RenderSettings {
+        shadows: "none".to_owned(),
+        ambient: "unshadowed".to_owned(),
+        compositing: "additive".to_owned(),
+        background: false,
+        samples: 4,
+        ..RenderSettings::default()
+    }
+}
+
+fn renderer<'gpu>(gpu: &'gpu Gpu, scene: &Scene) -> Renderer<'gpu> {
+    let mut renderer = Renderer::new(gpu, settings()).unwrap();
+    renderer.set_scene(scene).unwrap();
+    renderer.set_lighting(&no_light(), &lights()).unwrap();
+    renderer
+}
+
+/// Root mean square of the difference over that of the truth: highlights are far above the picture's mean.
+fn error_of_power(seen: &RgbImage, truth: &RgbImage) -> f64 {
+    let power = |sum: f64, texel: Vec3| sum + f64::from(texel.length_squared());
+    let difference = seen.texels().iter().zip(truth.texels()).map(|(a, b)| *a - *b);
+    (difference.fold(0.0, power) / truth.texels().iter().copied().fold(0.0, power)).sqrt()
+}
+
+#[test]
+fn models_under_area_lights_are_the_ray_tracers() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let options = ReferenceOptions { width: 32, height: 32, samples_per_pixel: 768, ..Default::default() };
+    for case in MODELS {
+        let truth = |case| {
+            let scene = one_sphere(surface(case));
+            let shadows = ResidualShadows::Cast;
+            let camera = camera();
+            gnomon_reference::render_lights(&scene, &camera, &lights(), shadows, &no_light(), &options)
+                .unwrap()
+                .mean
+        };
+        let seen = renderer(&gpu, &one_sphere(surface(case))).render(&camera(), 32, 32).unwrap().radiance;
+        let error = |case| error_of_power(&seen, &truth(case));
+        let own = error(case);
+        println!("{case:?}: {own:.4}");
+        assert!(own <= tolerances::GPU_REFLECTANCE, "{case:?}: {own}");
+        // The measure tells a lobe half as wide.
+        if case == MODELS[1] {
+            let other = error((case.0, 4.0 * case.1));
+            assert!(other > 2.0 * tolerances::GPU_REFLECTANCE, "{other}");
+        }
+    }
+}
+
+/// With the environment itself, whose unshadowed light depends on the materials too.
+fn edited_renderer<'gpu>(gpu: &'gpu Gpu, scene: &Scene) -> Renderer<'gpu> {
+    let settings = RenderSettings { compositing: "ratio".to_owned(), ..settings() };
+    let mut renderer = Renderer::new(gpu, settings).unwrap();
+    renderer.set_lighting(&constant_map(Vec3::new(0.3, 0.2, 0.1)), &lights()).unwrap();
+    renderer.set_scene(scene).unwrap();
+    renderer
+}
+
+#[test]
+fn edited_materials_are_those_of_a_fresh_renderer() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut scene = one_sphere(Surface::default());
+    let mut edited = edited_renderer(&gpu, &scene);
+    let mut last = edited.render(&camera(), 24, 24).unwrap().radiance;
+    let mut check = |scene: &Scene| {
+        edited.set_materials(scene).unwrap();
+        let now = edited.render(&camera(), 24, 24).unwrap().radiance;
+        assert_ne!(now, last, "{:?}", scene.materials);
+        assert_eq!(now, edited_renderer(&gpu, scene).render(&camera(), 24, 24).unwrap().radiance);
+        last = now;
+    };
+    for case in MODELS {
+        scene.materials[0].surface = surface(case);
+        check(&scene);
+    }
+    // A material more, and a mesh that takes it.
+    scene.materials.push(Material { emissive: Vec3::ONE, ..Material::default() });
+    scene.meshes[0].material = Some(MaterialId(1));
+    check(&scene);
+}
