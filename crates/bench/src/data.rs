@@ -1,7 +1,10 @@
 use std::path::{Path, PathBuf};
 
+use gnomon_brdf::{Model, Surface};
 use gnomon_envmap::Equirect;
-use gnomon_scene::{Camera, Ground, LoadOptions, Scene, builtin, default_camera};
+use gnomon_scene::{
+    Camera, Ground, LoadOptions, Material, MaterialId, MeshId, Scene, builtin, default_camera,
+};
 
 use crate::BenchError;
 
@@ -39,8 +42,16 @@ pub struct Stage {
 /// Where something comes from: files relative to the data folder, the first that exists; else a built-in.
 struct Source {
     name: &'static str,
+    /// None for what is built in itself.
     files: &'static [&'static str],
     stand_in: &'static str,
+}
+
+impl Source {
+    /// The built-in, if that stands for something else.
+    fn stand_in(&self) -> Option<&'static str> {
+        (!self.files.is_empty()).then_some(self.stand_in)
+    }
 }
 
 const ENVIRONMENTS: &[Source] = &[
@@ -63,6 +74,10 @@ const ENVIRONMENTS: &[Source] = &[
     Source { name: "rnl", files: &["env/debevec_rnl_cross.hdr"], stand_in: "sky" },
     Source { name: "studio", files: &["env/cc0_studio_small_03_1k.hdr"], stand_in: "room" },
     Source { name: "sunny", files: &["env/cc0_spiaggia_di_mondello_1k.hdr"], stand_in: "sky" },
+    Source { name: "uffizi", files: &["env/uffizi_latlong_1200x600.hdr"], stand_in: "room" },
+    Source { name: "dawn", files: &["env/cc0_kiara_1_dawn_1k.hdr"], stand_in: "sky" },
+    Source { name: "park", files: &["env/cc0_rooitou_park_1k.hdr"], stand_in: "sky" },
+    Source { name: "sky", files: &[], stand_in: "sky" },
 ];
 
 const SCENES: &[Source] = &[
@@ -70,7 +85,15 @@ const SCENES: &[Source] = &[
     Source { name: "bunny", files: &["scenes/bunny_on_ground.glb"], stand_in: "column" },
     Source { name: "buddha", files: &["models/happy_buddha_res3.ply"], stand_in: "column" },
     Source { name: "footbones", files: &["models/footbones.ply"], stand_in: "column" },
+    Source { name: "glossy_bunny", files: &["models/stanford_bunny_35947v.ply"], stand_in: "column" },
+    Source { name: "glossy_triceratops", files: &["models/triceratops.obj"], stand_in: "three-boxes" },
+    Source { name: "glossy_horse", files: &["models/horse_48485v.ply"], stand_in: "column" },
+    Source { name: "terrain", files: &[], stand_in: "terrain" },
 ];
+
+/// Phong exponents of the models of scenes that are not matte; their ground is.
+const SHININESS: &[(&str, f32)] =
+    &[("glossy_bunny", 40.0), ("glossy_triceratops", 500.0), ("glossy_horse", 40.0)];
 
 /// Pictures that an independent renderer made of a scene under an environment, in the data folder.
 const TRUTHS: &[(&str, &str, &str)] = &[
@@ -105,7 +128,7 @@ impl DataFolder {
             None => {
                 let map =
                     gnomon_envmap::builtin::sized(source.stand_in, width, height).ok_or_else(unknown)?;
-                Ok(Environment { name: source.name, map, stand_in: Some(source.stand_in) })
+                Ok(Environment { name: source.name, map, stand_in: source.stand_in() })
             }
         }
     }
@@ -122,8 +145,11 @@ impl DataFolder {
                     gnomon_scene::load(&path, &LoadOptions { aspect: ASPECT, ..LoadOptions::default() })?;
                 (loaded.scene, loaded.ground, None)
             }
-            None => (builtin::by_name(source.stand_in)?, Ground::None, Some(source.stand_in)),
+            None => (builtin::by_name(source.stand_in)?, Ground::None, source.stand_in()),
         };
+        if let Some((_, shininess)) = SHININESS.iter().find(|(scene, _)| *scene == source.name) {
+            make_glossy(&mut scene, *shininess);
+        }
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, ASPECT));
         scene.add_ground(ground);
         Ok(Stage { name: source.name, scene, camera, stand_in })
@@ -137,6 +163,29 @@ impl DataFolder {
             let listed = TRUTHS.iter().find(|(s, e, _)| (*s, *e) == (scene, environment));
             self.find(&[listed?.2])
         })
+    }
+}
+
+/// A grey surface with a Phong highlight; its matte and its glossy part reflect no more than all light.
+fn phong(shininess: f32) -> Surface {
+    Surface { model: Model::Phong, shininess, specular: 0.3, ..Surface::default() }
+}
+
+/// Gives every mesh but the ground the same Phong surface.
+fn make_glossy(scene: &mut Scene, shininess: f32) {
+    let name = "glossy".to_owned();
+    scene.materials.push(Material {
+        name,
+        surface: phong(shininess),
+        double_sided: true,
+        ..Material::default()
+    });
+    let material = Some(MaterialId(scene.materials.len() - 1));
+    let of_ground = scene.ground.and_then(|ground| scene.nodes.get(ground.0)).map(|node| node.meshes.clone());
+    for (index, mesh) in scene.meshes.iter_mut().enumerate() {
+        if !of_ground.as_ref().is_some_and(|meshes| meshes.contains(&MeshId(index))) {
+            mesh.material = material;
+        }
     }
 }
 
@@ -159,15 +208,28 @@ mod tests {
         let data = DataFolder(None);
         for source in ENVIRONMENTS {
             let environment = data.environment(source.name).unwrap();
-            assert_eq!(environment.stand_in, Some(source.stand_in));
+            assert_eq!(environment.stand_in, source.stand_in());
             assert_eq!((environment.map.width(), environment.map.height()), ENVIRONMENT_SIZE);
         }
         for source in SCENES {
             let stage = data.stage(source.name).unwrap();
-            assert!(stage.stand_in == Some(source.stand_in) && stage.scene.ground.is_some());
+            assert_eq!(stage.stand_in, source.stand_in());
+            assert!(stage.scene.ground.is_some() || source.stand_in == "terrain");
         }
+        assert!(data.stage("terrain").unwrap().stand_in.is_none());
         assert!(data.environment("mars").is_err() && data.stage("mars").is_err());
         assert_eq!(data.truth(None, "three_boxes", "grace"), None);
+    }
+
+    #[test]
+    fn glossy_models_stand_on_matte_ground() {
+        let scene = DataFolder(None).stage("glossy_bunny").unwrap().scene;
+        let surface = |mesh: usize| scene.materials[scene.meshes[mesh].material.unwrap().0].surface;
+        let ground = scene.nodes[scene.ground.unwrap().0].meshes[0].0;
+        assert_eq!(surface(ground), Surface::default());
+        for mesh in (0..scene.meshes.len()).filter(|mesh| *mesh != ground) {
+            assert_eq!(surface(mesh), phong(40.0));
+        }
     }
 
     #[test]
@@ -178,7 +240,9 @@ mod tests {
         };
         let data = DataFolder(Some(folder));
         assert_eq!(data.environment("kitchen").unwrap().stand_in, None);
-        assert_eq!(data.stage("buddha").unwrap().stand_in, None);
+        for scene in SCENES {
+            assert_eq!(data.stage(scene.name).unwrap().stand_in, None);
+        }
         assert!(data.truth(None, "bunny", "stpeters").is_some());
         assert_eq!(data.truth(None, "bunny", "kitchen"), None);
     }

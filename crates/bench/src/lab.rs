@@ -1,15 +1,15 @@
+use std::any::Any;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use gnomon_image::RgbImage;
 use gnomon_lights::{FitOptions, LightSet, fit};
-use gnomon_reference::{Estimate, ReferenceOptions, ResidualShadows};
 use gnomon_renderer::Gpu;
 
-use crate::pictures::{channel_mean, shrunk_to};
-use crate::{BenchError, DataFolder, Environment, Setup, Stage};
+use crate::timing::TimingPlan;
+use crate::truth::Truth;
+use crate::{BenchError, DataFolder, Environment, Stage};
 
 /// How much work there is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,36 +42,29 @@ pub struct LabOptions {
     pub data: DataFolder,
     /// Folder with truth pictures by another renderer, `SCENE_ENVIRONMENT.exr`.
     pub truth: Option<PathBuf>,
+    /// Folder where traced truth pictures are kept, and looked for before they are traced again; made if missing.
+    pub kept_truth: Option<PathBuf>,
 }
 
 /// Told what is being done, and which share of the experiment is.
 pub type Progress<'a> = &'a (dyn Fn(&str, f32) + Sync);
 
-/// A picture to measure others by.
-#[derive(Clone, Debug)]
-pub struct Truth {
-    /// Linear radiance.
-    pub picture: RgbImage,
-    /// Who made it, for tables.
-    pub source: String,
-    /// Standard error of its pixels over its mean, where it is known: no picture can be measured to be nearer.
-    pub noise: Option<f64>,
-}
-
 /// Where experiments are made: an adapter, data, and what they share. Scenes, environments, fits and truth pictures are made once.
 pub struct Lab<'a> {
     gpu: &'a Gpu,
-    options: LabOptions,
+    pub(crate) options: LabOptions,
     progress: Progress<'a>,
     environments: Cache<Environment>,
     stages: Cache<Stage>,
     fits: Cache<LightSet>,
-    truths: Cache<Truth>,
+    pub(crate) truths: Cache<Truth>,
+    figures: RefCell<HashMap<String, Rc<dyn Any>>>,
 }
 
-type Cache<T> = RefCell<HashMap<String, Rc<T>>>;
+pub(crate) type Cache<T> = RefCell<HashMap<String, Rc<T>>>;
 
-fn cached<T>(
+/// What the cache has for `key`, made first where it has nothing.
+pub(crate) fn cached<T>(
     cache: &Cache<T>,
     key: String,
     make: impl FnOnce() -> Result<T, BenchError>,
@@ -82,6 +75,22 @@ fn cached<T>(
     let made = Rc::new(make()?);
     cache.borrow_mut().insert(key, Rc::clone(&made));
     Ok(made)
+}
+
+/// What the names stand for, in order; of several with the same stand-in, the first.
+fn without_twins<T>(
+    names: &[&str],
+    named: impl Fn(&str) -> Result<Rc<T>, BenchError>,
+    stand_in: impl Fn(&T) -> Option<&'static str>,
+) -> Result<Vec<Rc<T>>, BenchError> {
+    let mut found: Vec<Rc<T>> = Vec::new();
+    for name in names {
+        let new = named(name)?;
+        if stand_in(&new).is_none() || found.iter().all(|other| stand_in(other) != stand_in(&new)) {
+            found.push(new);
+        }
+    }
+    Ok(found)
 }
 
 impl<'a> Lab<'a> {
@@ -103,6 +112,7 @@ impl<'a> Lab<'a> {
             stages: Cache::default(),
             fits: Cache::default(),
             truths: Cache::default(),
+            figures: RefCell::default(),
         })
     }
 
@@ -125,6 +135,15 @@ impl<'a> Lab<'a> {
         }
     }
 
+    /// How long rivals are timed; `seconds` is for the full effort.
+    pub fn timing_plan(&self, seconds: f64) -> TimingPlan {
+        TimingPlan {
+            rounds: self.pick(1, 7, 15),
+            seconds: self.pick(0.0, 0.3 * seconds, seconds),
+            least_rounds: self.pick(1, 2, 5),
+        }
+    }
+
     /// Tells what is being done, and which share (0..1) of the experiment is.
     pub fn tell(&self, what: &str, share: f32) {
         (self.progress)(what, share);
@@ -143,17 +162,7 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// As [`DataFolder::environment`].
     pub fn environments(&self, names: &[&str]) -> Result<Vec<Rc<Environment>>, BenchError> {
-        let mut found: Vec<Rc<Environment>> = Vec::new();
-        for name in names {
-            let environment = self.environment(name)?;
-            let twin = |other: &Rc<Environment>| {
-                environment.stand_in.is_some() && other.stand_in == environment.stand_in
-            };
-            if !found.iter().any(twin) {
-                found.push(environment);
-            }
-        }
-        Ok(found)
+        without_twins(names, |name| self.environment(name), |environment| environment.stand_in)
     }
 
     /// A scene by its name.
@@ -169,17 +178,11 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// As [`DataFolder::stage`].
     pub fn stages(&self, names: &[&str]) -> Result<Vec<Rc<Stage>>, BenchError> {
-        let mut found: Vec<Rc<Stage>> = Vec::new();
-        for name in names {
-            let stage = self.stage(name)?;
-            if !found.iter().any(|other| stage.stand_in.is_some() && other.stand_in == stage.stand_in) {
-                found.push(stage);
-            }
-        }
-        Ok(found)
+        without_twins(names, |name| self.stage(name), |stage| stage.stand_in)
     }
 
-    /// The lights that a fit makes of an environment when asked for `count`, of which it may make fewer, or its own choice.
+    /// The lights that a fit (`FIT` or `samples:SAMPLER`) makes of an environment when asked for `count`, of which it may make fewer,
+    /// or its own choice.
     ///
     /// # Errors
     /// An unknown fit, or one that refuses the count or the map.
@@ -190,66 +193,27 @@ impl<'a> Lab<'a> {
         environment: &Environment,
     ) -> Result<Rc<LightSet>, BenchError> {
         cached(&self.fits, format!("{method} {count:?} {}", environment.name), || {
-            let options = FitOptions { light_count: count, ..FitOptions::default() };
+            let (method, sampler) = match method.split_once(':') {
+                Some((method, sampler)) => (method, Some(fit::sampler_by_name(sampler)?)),
+                None => (method, None),
+            };
+            let options = FitOptions { light_count: count, sampler, ..FitOptions::default() };
             Ok(fit::by_name(method, &options)?.fit(&environment.map)?)
         })
     }
 
-    /// A scene under an environment as an independent renderer made it, where there is such a picture of this size or a whole
-    /// multiple of it; else as the project's own tracer makes it with `samples` a pixel.
-    ///
-    /// # Errors
-    /// A picture that cannot be read, a scene that cannot be traced.
-    pub fn truth(
+    /// What `make` gives, made once in a lab: figures that several experiments read.
+    pub(crate) fn once<T: Any>(
         &self,
-        stage: &Stage,
-        environment: &Environment,
-        [width, height]: [u32; 2],
-        samples: u32,
-    ) -> Result<Rc<Truth>, BenchError> {
-        let key = format!("{} {} {width}x{height} {samples}", stage.name, environment.name);
-        cached(&self.truths, key, || {
-            let real = stage.stand_in.is_none() && environment.stand_in.is_none();
-            let folder = self.options.truth.as_deref();
-            let file = self.options.data.truth(folder, stage.name, environment.name).filter(|_| real);
-            if let Some(file) = file {
-                let picture = gnomon_image::read(&file)?.image;
-                if let Some(picture) = shrunk_to(&picture, width, height) {
-                    return Ok(Truth { picture, source: "Mitsuba".to_owned(), noise: None });
-                }
-            }
-            let options =
-                ReferenceOptions { width, height, samples_per_pixel: samples, ..Default::default() };
-            let estimate = gnomon_reference::render(&stage.scene, &stage.camera, &environment.map, &options)?;
-            Ok(traced(estimate))
-        })
-    }
-
-    /// What the lights of a setup make of its scene, traced with exact shadows of lights and residual.
-    ///
-    /// # Errors
-    /// A scene that cannot be traced.
-    pub fn truth_of_lights(&self, setup: &Setup<'_>, samples: u32) -> Result<Truth, BenchError> {
-        let [width, height] = setup.size;
-        let options = ReferenceOptions { width, height, samples_per_pixel: samples, ..Default::default() };
-        let estimate = gnomon_reference::render_lights(
-            &setup.stage.scene,
-            &setup.stage.camera,
-            setup.lights,
-            ResidualShadows::Cast,
-            setup.map,
-            &options,
-        )?;
-        Ok(traced(estimate))
-    }
-}
-
-fn traced(estimate: Estimate) -> Truth {
-    let mean = channel_mean(&estimate.mean);
-    let noise = channel_mean(&estimate.variance).max(0.0).sqrt() / mean;
-    Truth {
-        picture: estimate.mean,
-        source: format!("own tracer, {} samples", estimate.samples_per_pixel),
-        noise: noise.is_finite().then_some(noise),
+        key: &str,
+        make: impl FnOnce() -> Result<T, BenchError>,
+    ) -> Result<Rc<T>, BenchError> {
+        let known = self.figures.borrow().get(key).cloned();
+        if let Some(found) = known.and_then(|known| known.downcast().ok()) {
+            return Ok(found);
+        }
+        let made = Rc::new(make()?);
+        self.figures.borrow_mut().insert(key.to_owned(), Rc::clone(&made) as Rc<dyn Any>);
+        Ok(made)
     }
 }

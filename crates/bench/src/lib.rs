@@ -5,17 +5,22 @@
 //! [`gnomon_report::Section`]. Rivals are timed by [`timing::interleaved`], so that none has the machine for itself while
 //! another shares it, and every time stands beside an error against ray-traced truth.
 
+mod columns;
 pub mod convolution;
 mod data;
+mod drawn;
 mod error;
 mod experiment;
 mod lab;
 mod pictures;
 mod setup;
+pub mod subtractive;
 pub mod timing;
+mod truth;
 
 pub use data::{DataFolder, Environment, Stage};
 pub use error::BenchError;
 pub use experiment::{Experiment, Suite, suites};
-pub use lab::{Effort, Lab, LabOptions, Truth};
+pub use lab::{Effort, Lab, LabOptions};
 pub use setup::{Setup, TimedRenderer};
+pub use truth::Truth;

@@ -1,4 +1,4 @@
-//! `gnomon bench convolution`: its files exist, parse and hold numbers.
+//! `gnomon bench convolution` and `subtractive`: their files exist, parse and hold numbers.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod support;
@@ -9,16 +9,28 @@ use serde_json::Value;
 use support::{can_render, command, files, gnomon};
 
 #[test]
-fn every_experiment_leaves_readable_files() {
+fn every_convolution_experiment_leaves_readable_files() {
+    let names = ["cost", "rivals", "order", "lights", "maps", "ambient", "failures"];
+    check_suite("convolution", &names, "convolution mip M=4");
+}
+
+#[test]
+fn every_subtractive_experiment_leaves_readable_files() {
+    let names = ["lights", "equal-time", "sampling", "best"];
+    check_suite("subtractive", &names, "subtractive, 1/16 of the samples");
+}
+
+/// Runs a suite without data; its experiments are `expected`, and what it prints holds `printed`.
+fn check_suite(suite: &str, expected: &[&str], printed: &str) {
     let folder = tempfile::tempdir().unwrap();
     if !can_render(folder.path()) {
         return;
     }
     let empty = folder.path().join("empty");
     std::fs::create_dir(&empty).unwrap();
-    let arguments = ["bench", "convolution", "--smoke", "-o", "deep/out", "--data", "empty"];
+    let arguments = ["bench", suite, "--smoke", "-o", "deep/out", "--data", "empty"];
     let run = gnomon(folder.path(), &arguments).succeeded();
-    assert!(run.out.contains("convolution mip M=4") && run.out.contains("report.md"), "{}", run.out);
+    assert!(run.out.contains(printed) && run.out.contains("report.md"), "{}", run.out);
 
     let out = folder.path().join("deep/out");
     let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
@@ -28,17 +40,20 @@ fn every_experiment_leaves_readable_files() {
     let results: Value = serde_json::from_str(&read("results.json")).unwrap();
     let sections = results["sections"].as_array().unwrap();
     let names: Vec<_> = sections.iter().map(|section| section["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["cost", "rivals", "order", "lights", "maps", "ambient", "failures"]);
+    assert_eq!(names, expected);
     for section in sections {
         for table in section["tables"].as_array().unwrap() {
             let rows = table["rows"].as_array().unwrap();
             assert!(!rows.is_empty(), "{} is empty", table["name"]);
             check_csv(&read(&format!("{}.csv", table["name"].as_str().unwrap())), rows.len());
         }
-        let errors = column(&section["tables"][0], "relative RMSE");
+        let errors = errors(&section["tables"][0]);
         assert!(!errors.is_empty() && errors.iter().all(|error| error.is_finite()), "{}", section["name"]);
     }
-    for name in files(&out) {
+    for name in files(&out.join("truth")) {
+        assert!(name.ends_with(".exr") || name.ends_with(".txt"), "{name} has no business there");
+    }
+    for name in files(&out).into_iter().filter(|name| name != "truth") {
         match Path::new(&name).extension().and_then(|extension| extension.to_str()) {
             Some("png") => {
                 let sheet = gnomon::image::read(out.join(&name)).unwrap().image;
@@ -55,11 +70,14 @@ fn every_experiment_leaves_readable_files() {
     }
 }
 
-/// Numbers of a column of a table in `results.json`; the first table of some sections has one of another heading.
-fn column(table: &Value, name: &str) -> Vec<f64> {
+/// Headings of the columns of errors of first tables; every first table has one of them.
+const ERRORS: [&str; 5] = ["relative RMSE", "no shadows", "unshadowed", "relative RMSE, mean", "additive"];
+
+/// Numbers of the first column of errors of a table in `results.json`.
+fn errors(table: &Value) -> Vec<f64> {
     let columns = table["columns"].as_array().unwrap();
-    let place = |name: &str| columns.iter().position(|column| column["name"] == name);
-    let place = place(name).or_else(|| place("no shadows")).or_else(|| place("unshadowed")).unwrap();
+    let place = |name: &&str| columns.iter().position(|column| column["name"] == **name);
+    let place = ERRORS.iter().find_map(|name| place(name)).unwrap();
     table["rows"].as_array().unwrap().iter().filter_map(|row| row[place].as_f64()).collect()
 }
 

@@ -1,7 +1,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_image::{LUMINANCE, RgbImage};
 
 /// An equirectangular (latitude-longitude) map of incoming radiance, finite and not negative.
 ///
@@ -103,5 +103,24 @@ impl Equirect {
                 row * self.texel_solid_angle(y)
             })
             .sum()
+    }
+
+    /// Stops that bring the mean luminance to 0.5, so that a matte white surface is bright but not clipped. 0 for a black map.
+    pub fn suitable_exposure(&self) -> f32 {
+        let mean = (self.flux() / (4.0 * std::f64::consts::PI)).as_vec3().dot(LUMINANCE);
+        let stops = (0.5 / mean).log2();
+        if stops.is_finite() { stops.clamp(-60.0, 60.0) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_luminance_is_shown_as_a_half() {
+        let map = |luminance: f32| Equirect::new(RgbImage::filled(8, 4, Vec3::splat(luminance)));
+        assert!((map(0.125).suitable_exposure() - 2.0).abs() < 1e-5);
+        assert_eq!(map(0.0).suitable_exposure(), 0.0);
     }
 }

@@ -1,5 +1,7 @@
 //! Scenes made by code, ground and camera included.
 
+mod terrain;
+
 use std::f32::consts::TAU;
 
 use glam::{Mat3, Vec3};
@@ -8,7 +10,7 @@ use crate::framing::square;
 use crate::{Camera, Material, MaterialId, Mesh, Scene, SceneError};
 
 /// Names that [`by_name`] knows.
-pub const NAMES: [&str; 2] = ["three-boxes", "column"];
+pub const NAMES: [&str; 3] = ["three-boxes", "column", "terrain"];
 
 /// The built-in scene of that name.
 ///
@@ -16,6 +18,9 @@ pub const NAMES: [&str; 2] = ["three-boxes", "column"];
 /// [`SceneError::Request`] naming the scenes that exist.
 pub fn by_name(name: &str) -> Result<Scene, SceneError> {
     let mut scene = without_ground(name)?;
+    if name == "terrain" {
+        return Ok(scene);
+    }
     let material = Material { name: "ground".to_owned(), double_sided: true, ..Material::default() };
     scene.materials.push(material);
     let material = Some(MaterialId(scene.materials.len() - 1));
@@ -31,6 +36,7 @@ pub(crate) fn without_ground(name: &str) -> Result<Scene, SceneError> {
     match name {
         "three-boxes" => Ok(three_boxes()),
         "column" => Ok(column()),
+        "terrain" => Ok(terrain()),
         _ => {
             let name = crate::error::one_line(name);
             Err(SceneError::Request(format!(
@@ -81,6 +87,12 @@ fn column() -> Scene {
     mesh.turned(&PROFILE, SIDES);
     let camera = Camera::look_at(Vec3::new(3.6, 2.7, 5.2), Vec3::new(0.0, 1.15, 0.0), 42_f32.to_radians());
     matte("column", mesh.0, camera)
+}
+
+/// A mountain landscape, 32,768 triangles, Lambert 0.5, smooth; what it stands on is itself.
+fn terrain() -> Scene {
+    let camera = Camera::look_at(Vec3::new(4.2, 3.9, 5.6), Vec3::new(0.0, 0.2, 0.0), 46_f32.to_radians());
+    matte("terrain", terrain::mesh(), camera)
 }
 
 /// One mesh, matte and seen from both sides, and a camera.
@@ -193,13 +205,14 @@ mod tests {
             assert_eq!(scene.bounds().unwrap().min.y, 0.0);
         }
         let error = by_name("teapot").unwrap_err().to_string();
-        assert!(error.contains("three-boxes, column"), "{error}");
+        assert!(error.contains("three-boxes, column, terrain"), "{error}");
+        assert!(by_name("terrain").unwrap().ground.is_none());
     }
 
     /// Every edge of a closed, consistently oriented solid is run once in each direction.
     #[test]
     fn solids_are_closed_and_face_outwards() {
-        for scene in NAMES.map(|name| by_name(name).unwrap()) {
+        for scene in ["three-boxes", "column"].map(|name| by_name(name).unwrap()) {
             let mesh = &scene.meshes[0];
             let key = |i: u32| mesh.positions[i as usize].to_array().map(|x| (x * 1e4).round() as i64);
             let mut edges: HashMap<_, i32> = HashMap::new();

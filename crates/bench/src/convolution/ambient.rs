@@ -1,10 +1,11 @@
 use gnomon_renderer::RenderSettings;
-use gnomon_report::{Cell, ContactSheet, Panel, Section, Table, significant};
+use gnomon_report::{Cell, ContactSheet, Section, Table};
 
-use super::common::{maps_by_footprint, mebibytes, plan, stand_ins};
-use super::variant::{Drawn, Variant};
-use crate::pictures::{difference, shown};
-use crate::timing::{Spread, interleaved};
+use super::common::maps_by_footprint;
+use super::variant::Variant;
+use crate::columns::{mean_and_worst, mebibytes, stand_ins};
+use crate::drawn::time_in_turns;
+use crate::pictures::shown;
 use crate::{BenchError, Environment, Experiment, Lab, Setup, Stage};
 
 /// The ambient part gets shadows too: ways to shadow what disks leave over, their error and cost.
@@ -56,8 +57,6 @@ impl Experiment for AmbientPart {
             }
             sheets.push(sheet);
         }
-        let (stages, environments): (Vec<&Stage>, Vec<&Environment>) =
-            (stages.iter().map(AsRef::as_ref).collect(), environments.iter().map(AsRef::as_ref).collect());
         let mut paragraphs = vec![format!(
             "Disks as many as the fit chooses, {} x {} pixels of 2 x 2 samples, convolution with mip maps and M = 4, shadow maps of \
              at most {resolution} texels a side and coarser for wider lights. Occlusion multiplies the rest by the share of the sky \
@@ -89,23 +88,20 @@ fn subject(
             ambient_cells: cells,
             ..maps_by_footprint(resolution)
         };
-        drawn.push(Drawn::new(lab, &Variant::mip(4), setup, &frame, &truth.picture)?);
+        drawn.push(Variant::mip(4).drawn(lab, setup, &frame, &truth.picture)?);
     }
-    let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
-    let spreads = interleaved(&mut rivals, &plan(lab, 5.0))?;
-    drop(rivals);
-    let mut spreads = spreads.iter();
+    time_in_turns(drawn.iter_mut().flatten(), &lab.timing_plan(5.0))?;
     let mut measured = Vec::new();
     for ((way, ..), drawn) in WAYS.iter().zip(&drawn) {
         let Some(drawn) = drawn else {
             measured.push(None);
             continue;
         };
-        let time = spreads.next().map_or(f64::NAN, |spread: &Spread| spread.median);
-        let error = drawn.comparison.relative_rmse;
-        measured.push(Some([error, time, mebibytes(drawn.renderer.shadow_bytes())]));
-        let caption = format!("{}, {way}\nRMSE {}", environment.name, significant(error, 3));
-        sheet.panels.push(Panel::new(caption, difference(&drawn.picture, &truth.picture)?));
+        let time = drawn.spread.map_or(f64::NAN, |spread| spread.median);
+        let memory = mebibytes(drawn.renderer.shadow_bytes());
+        measured.push(Some([drawn.comparison.relative_rmse, time, memory]));
+        let label = format!("{}, {way}", environment.name);
+        sheet.panels.push(drawn.difference_panel(&label, &truth.picture)?);
     }
     if let Some(Some(first)) = drawn.first() {
         sheet.banner.get_or_insert_with(|| shown(&truth.picture, first.comparison.exposure));
@@ -140,17 +136,17 @@ fn costs(subjects: &[Subject]) -> Table {
     let of = |way: usize, what: usize| -> Vec<f64> {
         subjects.iter().filter_map(|subject| Some(subject.measured.get(way).copied()??[what])).collect()
     };
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let unshadowed = mean(&of(0, 1));
+    let over_all = |way: usize, what: usize| mean_and_worst(&of(way, what));
+    let mean = |way: usize, what: usize| over_all(way, what).map(|[mean, _]| mean);
     for (way, (name, ..)) in WAYS.iter().enumerate() {
-        let time = mean(&of(way, 1));
+        let time = mean(way, 1);
         table.push([
             Cell::from(*name),
-            mean(&of(way, 0)).into(),
-            of(way, 0).into_iter().reduce(f64::max).into(),
+            mean(way, 0).into(),
+            over_all(way, 0).map(|[_, worst]| worst).into(),
             time.into(),
-            (time / unshadowed).into(),
-            mean(&of(way, 2)).into(),
+            time.zip(mean(0, 1)).map(|(time, unshadowed)| time / unshadowed).into(),
+            mean(way, 2).into(),
         ]);
     }
     table

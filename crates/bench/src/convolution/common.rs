@@ -5,11 +5,9 @@ use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_lights::LightSet;
 use gnomon_renderer::{RenderSettings, ShadowSizing};
-use gnomon_report::Cell;
 use gnomon_scene::{AreaLight, AreaLightShape, Camera, Node, NodeId, Scene};
 
-use crate::timing::{Spread, TimingPlan};
-use crate::{Environment, Lab, Setup, Stage};
+use crate::{Setup, Stage};
 
 /// The light fits that are compared, in the order of tables.
 pub(super) const FITS: [&str; 4] = ["disks", "squares", "rectangles", "partition"];
@@ -85,45 +83,4 @@ pub(super) fn add_light(scene: &mut Scene, (place, shape, radiance): (Affine3A, 
     let name = "lamp".to_owned();
     scene.nodes.push(Node { name, parent: None, parent_from_node: place, meshes: Vec::new() });
     scene.lights.push(AreaLight { node, shape, radiance });
-}
-
-/// How long rivals are timed; `seconds` is for the full effort.
-pub(super) fn plan(lab: &Lab<'_>, seconds: f64) -> TimingPlan {
-    TimingPlan {
-        rounds: lab.pick(1, 7, 15),
-        seconds: lab.pick(0.0, 0.3 * seconds, seconds),
-        least_rounds: lab.pick(1, 2, 5),
-    }
-}
-
-/// Median, minimum and quartiles, for four columns [ms].
-pub(super) fn time_cells(spread: Option<&Spread>) -> [Cell; 4] {
-    let cell = |value: fn(&Spread) -> f64| Cell::from(spread.map(value));
-    [
-        cell(|spread| spread.median),
-        cell(|spread| spread.minimum),
-        cell(|spread| spread.first_quartile),
-        cell(|spread| spread.third_quartile),
-    ]
-}
-
-/// Headings of [`time_cells`].
-pub(super) const TIME_COLUMNS: [(&str, &str); 4] =
-    [("frame, median", "ms"), ("minimum", "ms"), ("first quartile", "ms"), ("third quartile", "ms")];
-
-/// Mebibytes.
-pub(super) fn mebibytes(bytes: u64) -> f64 {
-    bytes as f64 / f64::from(1 << 20)
-}
-
-/// One sentence for each scene or environment for which a built-in stands in.
-pub(super) fn stand_ins(stages: &[&Stage], environments: &[&Environment]) -> Vec<String> {
-    let sentence = |what: &str, name: &str, stand_in: &str| {
-        format!("The {what} '{name}' is not in the data folder; the built-in '{stand_in}' stands in for it.")
-    };
-    let stages = stages.iter().filter_map(|stage| Some(sentence("scene", stage.name, stage.stand_in?)));
-    let environments = environments
-        .iter()
-        .filter_map(|environment| Some(sentence("environment", environment.name, environment.stand_in?)));
-    stages.chain(environments).collect()
 }

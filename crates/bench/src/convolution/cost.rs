@@ -1,10 +1,12 @@
 use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, Line, Plot, PowerLaw, Section, Series, Style, Table};
 
-use super::common::{TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells, uniform_maps};
-use super::variant::{Drawn, Variant};
-use crate::timing::{TimingPlan, interleaved};
-use crate::{BenchError, Experiment, Lab, Setup};
+use super::common::uniform_maps;
+use super::variant::Variant;
+use crate::columns::{TIME_COLUMNS, mebibytes, stand_ins, time_cells};
+use crate::drawn::time_in_turns;
+use crate::timing::TimingPlan;
+use crate::{BenchError, Experiment, Lab, Setup, TimedRenderer};
 
 /// Table 1: frame time against map resolution and number of lights.
 pub(super) struct Cost;
@@ -108,17 +110,13 @@ impl Experiment for Cost {
             variants.push(Variant::technique("hard"));
             let mut drawn = Vec::new();
             for variant in &variants {
-                drawn.push(Drawn::new(lab, variant, setup, &frame, &truth.picture)?);
+                drawn.push(variant.drawn(lab, setup, &frame, &truth.picture)?);
             }
-            let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
-            let spreads = interleaved(&mut rivals, &plan(lab, 8.0))?;
-            drop(rivals);
-            let mut spreads = spreads.into_iter();
+            time_in_turns(drawn.iter_mut().flatten(), &lab.timing_plan(8.0))?;
             for (variant, drawn) in variants.iter().zip(&drawn) {
-                let spread = drawn.as_ref().and_then(|_| spreads.next());
                 let found = lights.lights.len();
                 let mut row: Vec<Cell> = vec![variant.name.as_ref().into(), resolution.into(), found.into()];
-                row.extend(time_cells(spread.as_ref()));
+                row.extend(time_cells(drawn.as_ref().and_then(|drawn| drawn.spread.as_ref())));
                 row.push(drawn.as_ref().map(|drawn| mebibytes(drawn.renderer.shadow_bytes())).into());
                 row.push(drawn.as_ref().map(|drawn| drawn.comparison.relative_rmse).into());
                 row.push(paper_milliseconds(&variant.name, resolution, count).into());
@@ -127,8 +125,10 @@ impl Experiment for Cost {
             drop(drawn);
             let profiled = RenderSettings { profile: true, ..frame };
             for variant in &variants {
-                if let Some(mut renderer) = variant.renderer(lab, setup, &profiled)? {
-                    let times = renderer.pass_times(&TimingPlan { least_rounds: 3, ..plan(lab, 4.0) })?;
+                let renderer = TimedRenderer::if_it_fits(lab, variant.settings(&profiled), setup)?;
+                if let Some(mut renderer) = renderer {
+                    let times =
+                        renderer.pass_times(&TimingPlan { least_rounds: 3, ..lab.timing_plan(4.0) })?;
                     let lights = lights.lights.len();
                     let technique = variant.name.to_string();
                     rows.push(Row { technique, resolution, lights, milliseconds: of_lights(&times) });
@@ -147,7 +147,7 @@ impl Experiment for Cost {
             truth.source,
             PASSES_OF_LIGHTS.join(", ")
         )];
-        paragraphs.extend(stand_ins(&[&stage], &[&environment]));
+        paragraphs.extend(stand_ins(&[stage], &[environment]));
         Ok(Section {
             paragraphs,
             tables: vec![times, growth(&rows), passes.table()],

@@ -3,11 +3,11 @@ use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_renderer::RenderSettings;
-use gnomon_report::{ContactSheet, Panel, Section, Table, significant};
+use gnomon_report::{ContactSheet, Panel, Section, Table};
 use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Scene, builtin};
 
 use super::common::{Lamp, add_light, maps_by_footprint, square_lamp};
-use super::variant::{Drawn, Variant};
+use super::variant::Variant;
 use crate::pictures::{difference, shown};
 use crate::{BenchError, Experiment, Lab, Setup, Stage};
 
@@ -59,7 +59,7 @@ impl Experiment for Failures {
             lab.tell(&format!("failures: {name}"), step as f32 / 3.0);
             let truth = lab.truth_of_lights(&setup, lab.pick(2, 256, 1024))?;
             for variant in [Variant::mip(4), Variant::technique("pcss")] {
-                let Some(drawn) = Drawn::new(lab, &variant, setup, &frame, &truth.picture)? else { continue };
+                let Some(drawn) = variant.drawn(lab, setup, &frame, &truth.picture)? else { continue };
                 let comparison = &drawn.comparison;
                 table.push([
                     name.into(),
@@ -72,9 +72,8 @@ impl Experiment for Failures {
                     continue;
                 }
                 let stops = comparison.exposure;
-                let error = significant(comparison.relative_rmse, 3);
                 sheet.panels.extend([
-                    Panel::new(format!("{name}\nRMSE {error}"), shown(&drawn.picture, stops)),
+                    Panel::new(drawn.caption(name), shown(&drawn.picture, stops)),
                     Panel::new("ray traced", shown(&truth.picture, stops)),
                     Panel::new("picture - truth", difference(&drawn.picture, &truth.picture)?),
                 ]);

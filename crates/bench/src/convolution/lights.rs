@@ -4,12 +4,12 @@ use gnomon_lights::LightSet;
 use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
 
-use super::common::{
-    FITS, TIME_COLUMNS, maps_by_footprint, mebibytes, plan, stand_ins, time_cells, uniform_maps,
-};
-use super::variant::{Drawn, Variant};
+use super::common::{FITS, maps_by_footprint, uniform_maps};
+use super::variant::Variant;
+use crate::columns::{TIME_COLUMNS, mebibytes, stand_ins, time_cells};
+use crate::drawn::time_in_turns;
 use crate::pictures::{difference, shown};
-use crate::timing::{TimingPlan, interleaved};
+use crate::timing::TimingPlan;
 use crate::{BenchError, Effort, Environment, Experiment, Lab, Setup, Stage, Truth};
 
 /// Figs 10 and 11: number of lights, and convolution shadows against many hard maps.
@@ -81,18 +81,16 @@ impl Experiment for Lights {
                 many_hard_maps(lab, &scenery, &mut duel, &mut section)?;
             }
             section.paragraphs.push(format!(
-                "{}: {} triangles, {} x {} pixels of 2 x 2 samples, {resolution} x {resolution} maps, truth: {}{}.",
+                "{}: {} triangles, {} x {} pixels of 2 x 2 samples, {resolution} x {resolution} maps, truth: {}.",
                 environment.name,
                 stage.scene.triangle_count(),
                 size[0],
                 size[1],
-                scenery.truth.source,
-                scenery.truth.noise.map_or_else(String::new, |n| format!(", noise {}", significant(n, 2)))
+                scenery.truth.described()
             ));
         }
         section.tables.push(duel);
-        let shown: Vec<&Environment> = environments.iter().map(Rc::as_ref).collect();
-        section.paragraphs.extend(stand_ins(&[&stage], &shown));
+        section.paragraphs.extend(stand_ins(&[stage], &environments));
         Ok(section)
     }
 }
@@ -125,19 +123,14 @@ fn counts(
         }
         let mut drawn = Vec::new();
         for set in &sets {
-            let setup = scenery.setup(set);
-            let new = Drawn::new(lab, &Variant::mip(4), setup, &frame, truth)?;
-            drawn.push(new);
+            drawn.push(Variant::mip(4).drawn(lab, scenery.setup(set), &frame, truth)?);
         }
-        let mut rivals: Vec<_> = drawn.iter_mut().flatten().map(|drawn| drawn.renderer.rival()).collect();
-        let few = TimingPlan { least_rounds: lab.pick(1, 2, 3), ..plan(lab, 3.0) };
-        let mut spreads = interleaved(&mut rivals, &few)?.into_iter();
-        drop(rivals);
+        let few = TimingPlan { least_rounds: lab.pick(1, 2, 3), ..lab.timing_plan(3.0) };
+        time_in_turns(drawn.iter_mut().flatten(), &few)?;
         for ((set, drawn), series) in sets.iter().zip(&drawn).zip(&mut plot.series) {
             let found = set.lights.len();
-            let spread = drawn.as_ref().and_then(|_| spreads.next());
             let mut row: Vec<Cell> = vec![name.into(), set.method.into(), count.into(), found.into()];
-            row.extend(time_cells(spread.as_ref()));
+            row.extend(time_cells(drawn.as_ref().and_then(|drawn| drawn.spread.as_ref())));
             if let Some(drawn) = drawn {
                 let comparison = &drawn.comparison;
                 row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
@@ -145,9 +138,7 @@ fn counts(
                 row.push(comparison.relative_bias.into());
                 row.push(f64::from(comparison.flip.weighted_median).into());
                 series.points.push((found as f64, comparison.relative_rmse));
-                let caption =
-                    format!("{found} {}\nRMSE {}", set.method, significant(comparison.relative_rmse, 3));
-                sheet.panels.push(Panel::new(caption, difference(&drawn.picture, truth)?));
+                sheet.panels.push(drawn.difference_panel(&format!("{found} {}", set.method), truth)?);
             }
             if let Some(table) = section.tables.first_mut() {
                 table.push(row);
@@ -203,20 +194,20 @@ fn many_hard_maps(
         let frame = RenderSettings { samples: side, ..uniform_maps(scenery.resolution) };
         let mut drawn = Vec::new();
         for (variant, set) in &rivals_of {
-            let new = Drawn::new(lab, variant, scenery.setup(set), &frame, truth)?;
+            let new = variant.drawn(lab, scenery.setup(set), &frame, truth)?;
             drawn.extend(new.map(|drawn| (drawn, set)));
         }
-        let mut rivals: Vec<_> = drawn.iter_mut().map(|(drawn, _)| drawn.renderer.rival()).collect();
         let least_rounds = lab.pick(1, 3, 5);
-        let spreads = interleaved(&mut rivals, &TimingPlan { least_rounds, ..plan(lab, 40.0) })?;
-        drop(rivals);
-        let ours = spreads.first().map_or(f64::NAN, |spread| spread.median);
+        let plan = TimingPlan { least_rounds, ..lab.timing_plan(40.0) };
+        time_in_turns(drawn.iter_mut().map(|(drawn, _)| drawn), &plan)?;
+        let ours = drawn.first().and_then(|(drawn, _)| drawn.spread).map_or(f64::NAN, |spread| spread.median);
         let stops = drawn.first().map_or(0.0, |(drawn, _)| drawn.comparison.exposure);
         if side == 2 {
             sheet.panels.push(Panel::new(format!("truth\n{}", scenery.truth.source), shown(truth, stops)));
             sheet.panels.push(Panel::new("truth - truth", difference(truth, truth)?));
         }
-        for ((drawn, set), spread) in drawn.iter().zip(&spreads) {
+        for (drawn, set) in &drawn {
+            let Some(spread) = drawn.spread else { continue };
             let found = set.lights.len();
             let mut row: Vec<Cell> = vec![
                 name.into(),
@@ -224,7 +215,7 @@ fn many_hard_maps(
                 format!("{}, {}", drawn.name, set.method).into(),
                 found.into(),
             ];
-            row.extend(time_cells(Some(spread)));
+            row.extend(time_cells(Some(&spread)));
             row.extend([spread.rounds.into(), (spread.median / ours).into()]);
             row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
             row.push(drawn.comparison.relative_rmse.into());

@@ -1,9 +1,10 @@
-use gnomon_image::RgbImage;
-use gnomon_metrics::Comparison;
-use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
+use gnomon_renderer::RenderSettings;
+use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table};
 
-use super::common::{maps_by_footprint, mebibytes, stand_ins};
-use super::variant::{Drawn, Variant};
+use super::common::{FITS, maps_by_footprint};
+use super::variant::Variant;
+use crate::columns::{mean_and_worst, mebibytes, stand_ins};
+use crate::drawn::Drawn;
 use crate::pictures::{difference, shown};
 use crate::{BenchError, Environment, Experiment, Lab, Setup, Stage, Truth};
 
@@ -13,33 +14,60 @@ pub(super) struct Maps;
 /// Environments at full effort.
 const ENVIRONMENTS: [&str; 7] = ["grace", "stpeters", "galileo", "kitchen", "rnl", "studio", "sunny"];
 
-/// Relative RMSE that a picture may have with 60 to 80 lights, and with any number.
-const GOALS: [f64; 2] = [0.05, 0.035];
+/// How many lights there are in all, how large their maps may be, and how far off a picture may be.
+#[derive(Clone, Copy)]
+struct Size {
+    lights: usize,
+    /// Texels along the side of the largest map.
+    resolution: u32,
+    /// Relative RMSE.
+    limit: f64,
+}
+
+const SIZES: [Size; 3] = [
+    Size { lights: 60, resolution: 256, limit: 0.05 },
+    Size { lights: 80, resolution: 256, limit: 0.05 },
+    Size { lights: 200, resolution: 512, limit: 0.035 },
+];
+
+const TECHNIQUES: [&str; 2] = ["convolution", "pcss"];
+
+/// Of the lights of a fit that leaves an ambient rest, at least so many are kept for that rest.
+const CELLS: usize = 32;
 
 /// How an environment becomes lights, and how they cast shadows.
 #[derive(Clone, Copy)]
 struct Way {
-    name: &'static str,
     fit: &'static str,
-    /// Lights asked for; the fit's own choice for none.
-    count: Option<usize>,
+    size: Size,
     technique: &'static str,
 }
 
-const fn way(name: &'static str, fit: &'static str, count: Option<usize>, technique: &'static str) -> Way {
-    Way { name, fit, count, technique }
-}
+impl Way {
+    /// Every way, those of one fit side by side.
+    fn all(fits: &[&'static str], sizes: &[Size]) -> Vec<Self> {
+        let of_size = |fit, size| TECHNIQUES.map(|technique| Self { fit, size, technique });
+        let of_fit = |&fit| sizes.iter().flat_map(move |&size| of_size(fit, size));
+        fits.iter().flat_map(of_fit).collect()
+    }
 
-/// The columns of the table.
-const WAYS: [Way; 7] = [
-    way("disks + cells", "disks", None, "convolution"),
-    way("partition 60", "partition", Some(60), "convolution"),
-    way("partition 60, pcss", "partition", Some(60), "pcss"),
-    way("partition 80", "partition", Some(80), "convolution"),
-    way("partition 200", "partition", Some(200), "convolution"),
-    way("squares 60 + cells", "squares", Some(60), "convolution"),
-    way("rectangles 60 + cells", "rectangles", Some(60), "convolution"),
-];
+    /// Lights that the fit is asked for.
+    fn asked_for(&self) -> usize {
+        if self.fit == "partition" { self.size.lights } else { self.size.lights - CELLS }
+    }
+
+    fn column(&self) -> String {
+        format!("{} lights, {}", self.size.lights, self.technique)
+    }
+
+    fn name(&self) -> String {
+        format!("{} {}, {}", self.size.lights, self.fit, self.technique)
+    }
+
+    fn variant(&self) -> Variant {
+        if self.technique == "convolution" { Variant::mip(4) } else { Variant::technique(self.technique) }
+    }
+}
 
 /// Errors of one scene under one environment.
 struct Subject {
@@ -62,13 +90,14 @@ impl Experiment for Maps {
     }
 
     fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError> {
-        let names: &[&str] = lab.pick(&["grace"], &["grace", "rnl"], &ENVIRONMENTS);
-        let environments = lab.environments(names)?;
+        let environments = lab.environments(lab.pick(&["grace"], &["grace", "rnl"], &ENVIRONMENTS))?;
         let stages =
             lab.stages(lab.pick(&["three_boxes"], &["three_boxes", "bunny"], &["three_boxes", "bunny"]))?;
-        let ways = lab.pick(&WAYS[..2], &WAYS[..5], &WAYS);
+        let fits: &[&str] = lab.pick(&["disks", "partition"], &["disks", "partition"], &FITS);
+        let ways = Way::all(fits, lab.pick(&SIZES[..1], &SIZES[..2], &SIZES));
         let size = lab.pick([32, 24], [128, 96], [128, 96]);
-        let resolution = lab.pick(32, 256, 256);
+        // Truth pictures of such a size are larger ones made smaller: their edges are smoother than 2 x 2 samples make them.
+        let samples = lab.pick(2, 2, 4);
         let columns = [
             ("scene", ""),
             ("environment", ""),
@@ -79,8 +108,7 @@ impl Experiment for Maps {
             ("relative bias", ""),
             ("FLIP, weighted median", ""),
         ];
-        let caption = "Every picture: ratio compositing; convolution with mip maps and M = 4";
-        let mut all = Table::new("maps_all", caption, &columns);
+        let mut all = Table::new("maps_all", "Every picture", &columns);
         let mut subjects = Vec::new();
         let mut sheets = Vec::new();
         let steps = (stages.len() * environments.len()).max(1) as f32;
@@ -92,29 +120,20 @@ impl Experiment for Maps {
                 let share = subjects.len() as f32 / steps;
                 lab.tell(&format!("maps: {}, {}", stage.name, environment.name), share);
                 let truth = lab.truth(stage, environment, size, lab.pick(2, 256, 1024))?;
-                let scenery = Scenery { lab, stage, environment, truth: &truth, size, resolution };
-                subjects.push(scenery.subject(ways, &mut all, &mut sheet)?);
+                let scenery = Scenery { lab, stage, environment, truth: &truth, size, samples };
+                subjects.push(scenery.subject(&ways, &mut all, &mut sheet)?);
             }
             sheets.push(sheet);
         }
-        let (stages, environments): (Vec<&Stage>, Vec<&Environment>) =
-            (stages.iter().map(AsRef::as_ref).collect(), environments.iter().map(AsRef::as_ref).collect());
-        let mut paragraphs = vec![
-            format!(
-                "{} x {} pixels of 2 x 2 samples, Lambert. Shadow maps of at most {resolution} texels a side, coarser for wider \
-                 lights. 'Cells' are at most {} further lights that tile what a fit leaves over; a partition leaves nothing. The \
-                 goals are {} with 60 to 80 lights and {} with any number.",
-                size[0],
-                size[1],
-                maps_by_footprint(resolution).ambient_cells,
-                GOALS[0],
-                GOALS[1]
-            ),
-            verdict(&subjects, ways),
-        ];
+        let mut paragraphs = vec![format!(
+            "{} x {} pixels of {samples} x {samples} samples, Lambert, ratio compositing; convolution with mip maps and M = 4. Lights are \
+             counted in all: {CELLS} or more of them tile what disks, squares and rectangles leave over, a partition leaves nothing. \
+             Shadow maps are coarser for wider lights and have at most 256 texels a side, 512 with 200 lights.",
+            size[0], size[1],
+        )];
         paragraphs.extend(stand_ins(&stages, &environments));
-        let (tables, plots) = (vec![summary(&subjects, ways), all], vec![plot(&subjects, ways)]);
-        Ok(Section { paragraphs, tables, plots, sheets, ..Section::default() })
+        let tables = vec![errors_table(&subjects, &ways), all, limits_table(&subjects, &ways)];
+        Ok(Section { paragraphs, tables, plots: vec![plot(&subjects, &ways)], sheets, ..Section::default() })
     }
 }
 
@@ -124,7 +143,8 @@ struct Scenery<'s, 'gpu> {
     environment: &'s Environment,
     truth: &'s Truth,
     size: [u32; 2],
-    resolution: u32,
+    /// Along a pixel's side.
+    samples: u32,
 }
 
 impl Scenery<'_, '_> {
@@ -143,44 +163,47 @@ impl Scenery<'_, '_> {
             unshadowed: f64::NAN,
             errors: Vec::new(),
         };
-        let frame = maps_by_footprint(self.resolution);
-        let mut best: Option<(String, RgbImage, Comparison)> = None;
+        let mut sheet_row = None;
+        let mut least = f64::INFINITY;
         for way in ways {
-            let lights = self.lab.lights(way.fit, way.count, self.environment)?;
+            let lights = self.lab.lights(way.fit, Some(way.asked_for()), self.environment)?;
+            let found = lights.lights.len();
             let setup =
                 Setup { stage: self.stage, map: &self.environment.map, lights: &lights, size: self.size };
+            let resolution = self.lab.pick(32, way.size.resolution, way.size.resolution);
+            let frame = RenderSettings {
+                samples: self.samples,
+                ambient_cells: way.size.lights.saturating_sub(found).max(CELLS),
+                ..maps_by_footprint(resolution)
+            };
             if subject.unshadowed.is_nan()
-                && let Some(none) = Drawn::new(self.lab, &Variant::technique("none"), setup, &frame, truth)?
+                && let Some(none) = Variant::technique("none").drawn(self.lab, setup, &frame, truth)?
             {
                 subject.unshadowed = none.comparison.relative_rmse;
-                all.push(self.row("no shadows", lights.lights.len(), &none));
+                all.push(self.row("no shadows", found, &none));
             }
-            let variant = if way.technique == "convolution" {
-                Variant::mip(4)
-            } else {
-                Variant::technique(way.technique)
-            };
-            let drawn = Drawn::new(self.lab, &variant, setup, &frame, truth)?;
+            let drawn = way.variant().drawn(self.lab, setup, &frame, truth)?;
             subject.errors.push(drawn.as_ref().map(|drawn| drawn.comparison.relative_rmse));
             let Some(drawn) = drawn else { continue };
-            all.push(self.row(way.name, lights.lights.len(), &drawn));
-            let Drawn { picture, comparison, .. } = drawn;
-            let least = best.as_ref().map_or(f64::INFINITY, |(_, _, best)| best.relative_rmse);
-            if comparison.relative_rmse < least {
-                best = Some((way.name.to_owned(), picture, comparison));
+            all.push(self.row(&way.name(), found, &drawn));
+            if drawn.comparison.relative_rmse < least {
+                least = drawn.comparison.relative_rmse;
+                sheet_row = Some(self.sheet_row(&way.name(), &drawn)?);
             }
         }
-        if let Some((name, picture, comparison)) = best {
-            let environment = self.environment.name;
-            let stops = comparison.exposure;
-            let error = significant(comparison.relative_rmse, 3);
-            sheet.panels.extend([
-                Panel::new(format!("{environment}\ntruth: {}", self.truth.source), shown(truth, stops)),
-                Panel::new(format!("{name}\nRMSE {error}"), shown(&picture, stops)),
-                Panel::new("picture - truth", difference(&picture, truth)?),
-            ]);
-        }
+        sheet.panels.extend(sheet_row.into_iter().flatten());
         Ok(subject)
+    }
+
+    fn sheet_row(&self, name: &str, drawn: &Drawn<'_>) -> Result<[Panel; 3], BenchError> {
+        let truth = &self.truth.picture;
+        let stops = drawn.comparison.exposure;
+        let title = format!("{}\ntruth: {}", self.environment.name, self.truth.source);
+        Ok([
+            Panel::new(title, shown(truth, stops)),
+            Panel::new(drawn.caption(name), shown(&drawn.picture, stops)),
+            Panel::new("picture - truth", difference(&drawn.picture, truth)?),
+        ])
     }
 
     fn row(&self, way: &str, lights: usize, drawn: &Drawn<'_>) -> [Cell; 8] {
@@ -197,23 +220,55 @@ impl Scenery<'_, '_> {
     }
 }
 
-/// One row a scene and environment, one column a way, and the worst of every column.
-fn summary(subjects: &[Subject], ways: &[Way]) -> Table {
-    let mut columns = vec![("scene", ""), ("environment", ""), ("no shadows", "")];
-    columns.extend(ways.iter().map(|way| (way.name, "")));
-    columns.extend([("noise of the truth", ""), ("truth", "")]);
+/// One row a scene, environment and fit; one column a number of lights and technique.
+fn errors_table(subjects: &[Subject], ways: &[Way]) -> Table {
+    let fits: Vec<&[Way]> = ways.chunk_by(|a, b| a.fit == b.fit).collect();
+    let names: Vec<String> = fits.first().into_iter().flat_map(|ways| ways.iter().map(Way::column)).collect();
+    let mut columns = vec![("scene", ""), ("environment", ""), ("fit", "")];
+    columns.extend(names.iter().map(|name| (name.as_str(), "")));
+    columns.extend([("no shadows", ""), ("noise of the truth", ""), ("truth", "")]);
     let mut table = Table::new("maps", "Relative RMSE", &columns);
     for subject in subjects {
-        let mut row: Vec<Cell> =
-            vec![subject.scene.into(), subject.environment.into(), subject.unshadowed.into()];
-        row.extend(subject.errors.iter().map(|error| Cell::from(*error)));
-        row.extend([subject.noise.into(), subject.truth.as_str().into()]);
-        table.push(row);
+        let mut errors = subject.errors.iter();
+        for ways in &fits {
+            let fit = ways.first().map(|way| way.fit);
+            let mut row: Vec<Cell> = vec![subject.scene.into(), subject.environment.into(), fit.into()];
+            row.extend(errors.by_ref().take(ways.len()).map(|error| Cell::from(*error)));
+            row.extend([subject.unshadowed.into(), subject.noise.into(), subject.truth.as_str().into()]);
+            table.push(row);
+        }
     }
-    let mut row: Vec<Cell> = vec!["worst".into(), Cell::Missing];
-    row.push(subjects.iter().map(|subject| subject.unshadowed).reduce(f64::max).into());
-    row.extend((0..ways.len()).map(|way| Cell::from(errors(subjects, way).reduce(f64::max))));
-    table.push(row);
+    table
+}
+
+/// Mean and worst of every way against the limit.
+fn limits_table(subjects: &[Subject], ways: &[Way]) -> Table {
+    let columns = [
+        ("fit", ""),
+        ("lights", ""),
+        ("technique", ""),
+        ("relative RMSE, mean", ""),
+        ("relative RMSE, worst", ""),
+        ("limit", ""),
+        ("within the limit", ""),
+        ("pictures", ""),
+    ];
+    let mut table =
+        Table::new("maps_limits", "Over all scenes and environments, against the limits", &columns);
+    for (place, way) in ways.iter().enumerate() {
+        let errors: Vec<f64> = errors(subjects, place).collect();
+        let over_all = mean_and_worst(&errors);
+        table.push([
+            way.fit.into(),
+            way.size.lights.into(),
+            way.technique.into(),
+            over_all.map(|[mean, _]| mean).into(),
+            over_all.map(|[_, worst]| worst).into(),
+            way.size.limit.into(),
+            errors.iter().filter(|error| **error <= way.size.limit).count().into(),
+            errors.len().into(),
+        ]);
+    }
     table
 }
 
@@ -222,45 +277,26 @@ fn errors(subjects: &[Subject], way: usize) -> impl Iterator<Item = f64> {
     subjects.iter().filter_map(move |subject| subject.errors.get(way).copied().flatten())
 }
 
-/// How many subjects reach the goals, way by way.
-fn verdict(subjects: &[Subject], ways: &[Way]) -> String {
-    let words: Vec<String> = ways
-        .iter()
-        .enumerate()
-        .map(|(place, way)| {
-            let [few, any] = GOALS.map(|goal| errors(subjects, place).filter(|error| *error <= goal).count());
-            format!("{} {few} and {any}", way.name)
-        })
-        .collect();
-    format!(
-        "Of {} pairs of scene and environment, so many are off by at most {} and by at most {}: {}.",
-        subjects.len(),
-        GOALS[0],
-        GOALS[1],
-        words.join("; ")
-    )
-}
-
-/// Error of partitions by convolution against the number of lights: geometric mean over all subjects, and the worst.
+/// Error of every fit and technique against the number of lights: mean over all subjects.
 fn plot(subjects: &[Subject], ways: &[Way]) -> Plot {
-    let chosen =
-        ways.iter().enumerate().filter(|(_, way)| (way.fit, way.technique) == ("partition", "convolution"));
-    let chosen: Vec<(f64, usize)> =
-        chosen.filter_map(|(place, way)| Some((way.count? as f64, place))).collect();
+    let mut ticks: Vec<f64> = ways.iter().map(|way| way.size.lights as f64).collect();
+    ticks.sort_by(f64::total_cmp);
+    ticks.dedup();
     let mut plot = Plot::new(
         "maps",
-        "Error against lights: partition, convolution, over scenes and maps",
-        Axis::logarithmic("lights", "").with_ticks(chosen.iter().map(|(count, _)| *count).collect()),
+        "Error against lights: mean over scenes and maps",
+        Axis::logarithmic("lights", "").with_ticks(ticks),
         Axis::logarithmic("relative RMSE", ""),
     );
-    let mean = |way: usize| {
-        let logarithms: Vec<f64> = errors(subjects, way).map(f64::ln).collect();
-        (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()
-    };
-    let worst = |way: usize| errors(subjects, way).fold(f64::NAN, f64::max);
-    let points = |of: &dyn Fn(usize) -> f64| chosen.iter().map(|(count, way)| (*count, of(*way))).collect();
-    plot.series.push(Series::new("geometric mean", points(&mean)));
-    plot.series.push(Series::new("worst", points(&worst)));
+    for (place, way) in ways.iter().enumerate() {
+        let over_all = mean_and_worst(&errors(subjects, place).collect::<Vec<_>>());
+        let mean = over_all.map_or(f64::NAN, |[mean, _]| mean);
+        let (name, point) = (format!("{}, {}", way.fit, way.technique), (way.size.lights as f64, mean));
+        match plot.series.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.points.push(point),
+            None => plot.series.push(Series::new(name, vec![point])),
+        }
+    }
     plot
 }
 
@@ -269,23 +305,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goals_are_counted_by_way() {
+    fn limits_are_counted_by_way() {
+        let ways = Way::all(&["disks", "partition"], &SIZES[1..]);
+        assert_eq!(ways.len(), 8);
+        assert_eq!([ways[0].asked_for(), ways[4].asked_for()], [48, 80]);
         let subject = |error: f64| Subject {
             scene: "s",
             environment: "e",
             truth: String::new(),
             noise: None,
             unshadowed: 0.2,
-            errors: vec![None, Some(error)],
+            errors: [vec![None, Some(error)], vec![Some(0.01); 5], vec![Some(0.5 * error)]].concat(),
         };
         let subjects = [subject(0.06), subject(0.04), subject(0.03)];
-        let verdict = verdict(&subjects, &WAYS[..2]);
-        assert!(verdict.contains("disks + cells 0 and 0; partition 60 2 and 1"), "{verdict}");
-        let table = summary(&subjects, &WAYS[..2]);
-        assert_eq!(table.rows()[1][3..5], [Cell::Missing, Cell::Number(0.04)]);
-        assert_eq!(table.rows()[3][3..5], [Cell::Missing, Cell::Number(0.06)]);
-        let series = &plot(&subjects, &WAYS[..2]).series;
-        assert!((series[0].points[0].1 - (0.06 * 0.04 * 0.03_f64).cbrt()).abs() < 1e-12);
-        assert_eq!(series[1].points, [(60.0, 0.06)]);
+        let limits = limits_table(&subjects, &ways);
+        // Disks, 80 lights, convolution: nothing was drawn.
+        assert_eq!(limits.rows()[0][6..], [Cell::Count(0), Cell::Count(0)]);
+        assert_eq!(limits.rows()[1][4..], [0.06.into(), 0.05.into(), Cell::Count(2), Cell::Count(3)]);
+        // Partition, 200 lights, pcss.
+        assert_eq!(limits.rows()[7][4..], [0.03.into(), 0.035.into(), Cell::Count(3), Cell::Count(3)]);
+        let errors = errors_table(&subjects, &ways);
+        assert_eq!(errors.rows().len(), 6);
+        assert_eq!(errors.rows()[2][2..5], ["disks".into(), Cell::Missing, Cell::Number(0.04)]);
+        assert_eq!(errors.rows()[3][6], Cell::Number(0.02));
+        let series = &plot(&subjects, &ways).series;
+        assert_eq!(series.len(), 4);
+        assert!((series[3].points[1].1 - 0.065 / 3.0).abs() < 1e-12, "{:?}", series[3]);
     }
 }

@@ -1,10 +1,10 @@
 use gnomon_renderer::RenderSettings;
-use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
+use gnomon_report::{Axis, Cell, ContactSheet, Plot, Section, Series, Table};
 
-use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells, uniform_maps};
-use super::variant::{Drawn, Variant};
-use crate::pictures::shown;
-use crate::timing::interleaved;
+use super::common::{Lamp, uniform_maps};
+use super::variant::Variant;
+use crate::columns::{TIME_COLUMNS, mebibytes, stand_ins, time_cells};
+use crate::drawn::time_in_turns;
 use crate::{BenchError, Experiment, Lab, Setup};
 
 /// Figs 8 and 9: order of the series, ringing suppression and sharpening; filters.
@@ -78,8 +78,7 @@ impl Experiment for Order {
                 let step = (row * orders.len() + column) as f32;
                 lab.tell(&format!("order: M = {order}, {name}"), 0.3 + 0.4 * step / steps);
                 let variant = with_parts(Variant::mip(order), suppression, sharpening);
-                let drawn = Drawn::new(lab, &variant, setup, &frame, &truth.picture)?;
-                let Some(drawn) = drawn else { continue };
+                let Some(mut drawn) = variant.drawn(lab, setup, &frame, &truth.picture)? else { continue };
                 let comparison = &drawn.comparison;
                 quality.push([
                     order.into(),
@@ -89,21 +88,21 @@ impl Experiment for Order {
                     f64::from(comparison.flip.weighted_median).into(),
                 ]);
                 points.push((f64::from(order), comparison.relative_rmse));
-                let caption = format!("M={order}, {name}\nRMSE {}", significant(comparison.relative_rmse, 3));
-                sheet.panels.push(Panel::new(caption, shown(&drawn.picture, comparison.exposure)));
+                let stops = comparison.exposure;
+                drawn.name = format!("M={order}, {name}");
+                sheet.panels.push(drawn.panel(stops));
             }
             plot.series.push(Series::new(name, points));
         }
         lab.tell("order: timing", 0.7);
         let (filters, filter_sheet) = filters(lab, orders, setup, &frame, &truth.picture)?;
         let mut paragraphs = vec![format!(
-            "{} triangles, one square lamp in the scene, ten degrees wide, {resolution} x {resolution} map, truth: {}{}. \
+            "{} triangles, one square lamp in the scene, ten degrees wide, {resolution} x {resolution} map, truth: {}. \
              Without suppression the kernel's factor that makes up for it is 1.",
             stage.scene.triangle_count(),
-            truth.source,
-            truth.noise.map_or_else(String::new, |noise| format!(", noise {}", significant(noise, 2)))
+            truth.described()
         )];
-        paragraphs.extend(stand_ins(&[&stage], &[]));
+        paragraphs.extend(stand_ins(&[stage], &[]));
         let tables = vec![quality, filters];
         let sheets = vec![sheet, filter_sheet];
         Ok(Section { paragraphs, tables, plots: vec![plot], sheets, ..Section::default() })
@@ -125,20 +124,17 @@ fn filters(
     let mut sheet = ContactSheet::new("order_filters", "Filters", 2);
     let mut drawn = Vec::new();
     for variant in orders.iter().flat_map(|&order| Variant::prefilters(order)) {
-        drawn.extend(Drawn::new(lab, &variant, setup, frame, truth)?);
+        drawn.extend(variant.drawn(lab, setup, frame, truth)?);
     }
-    let mut rivals: Vec<_> = drawn.iter_mut().map(|drawn| drawn.renderer.rival()).collect();
-    let spreads = interleaved(&mut rivals, &plan(lab, 20.0))?;
-    drop(rivals);
-    for (drawn, spread) in drawn.iter().zip(&spreads) {
+    time_in_turns(&mut drawn, &lab.timing_plan(20.0))?;
+    for drawn in &drawn {
         let mut row: Vec<Cell> = vec![drawn.name.as_str().into()];
-        row.extend(time_cells(Some(spread)));
+        row.extend(time_cells(drawn.spread.as_ref()));
         row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
         row.push(drawn.comparison.relative_rmse.into());
         table.push(row);
         if drawn.name.ends_with("M=4") || drawn.name.ends_with("M=16") {
-            let caption = format!("{}\nRMSE {}", drawn.name, significant(drawn.comparison.relative_rmse, 3));
-            sheet.panels.push(Panel::new(caption, shown(&drawn.picture, drawn.comparison.exposure)));
+            sheet.panels.push(drawn.panel(drawn.comparison.exposure));
         }
     }
     Ok((table, sheet))

@@ -1,10 +1,11 @@
 use gnomon_metrics::Region;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Style, Table, significant};
 
-use super::common::{Lamp, TIME_COLUMNS, mebibytes, plan, stand_ins, time_cells, uniform_maps};
-use super::variant::{Drawn, Variant};
-use crate::pictures::{compare_within, cropped, difference, shown};
-use crate::timing::interleaved;
+use super::common::{Lamp, uniform_maps};
+use super::variant::Variant;
+use crate::columns::{TIME_COLUMNS, mebibytes, stand_ins, time_cells};
+use crate::drawn::time_in_turns;
+use crate::pictures::{compare_within, cropped, shown};
 use crate::{BenchError, Experiment, Lab};
 
 /// Fig. 7: techniques on one light against ray tracing.
@@ -39,12 +40,10 @@ impl Experiment for Rivals {
         lab.tell("rivals: drawing", 0.5);
         let mut drawn = Vec::new();
         for variant in Variant::all() {
-            drawn.extend(Drawn::new(lab, &variant, setup, &frame, &truth.picture)?);
+            drawn.extend(variant.drawn(lab, setup, &frame, &truth.picture)?);
         }
-        let mut rivals: Vec<_> = drawn.iter_mut().map(|drawn| drawn.renderer.rival()).collect();
         lab.tell("rivals: timing", 0.7);
-        let spreads = interleaved(&mut rivals, &plan(lab, 30.0))?;
-        drop(rivals);
+        time_in_turns(&mut drawn, &lab.timing_plan(30.0))?;
 
         let regions = CLOSE_UPS.map(|(name, part)| region(name, part, size));
         let columns = [
@@ -62,9 +61,9 @@ impl Experiment for Rivals {
         .concat();
         let mut table =
             Table::new("rivals", "One light: time, interleaved, and error of the same picture", &columns);
-        for (drawn, spread) in drawn.iter().zip(&spreads) {
+        for drawn in &drawn {
             let mut row: Vec<Cell> = vec![drawn.name.as_str().into()];
-            row.extend(time_cells(Some(spread)));
+            row.extend(time_cells(drawn.spread.as_ref()));
             row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
             row.push(drawn.comparison.relative_rmse.into());
             for region in &regions {
@@ -82,57 +81,44 @@ impl Experiment for Rivals {
             Axis::logarithmic("frame time", "ms"),
             Axis::linear("relative RMSE", ""),
         );
-        for (drawn, spread) in drawn.iter().zip(&spreads) {
-            let point = (spread.median, drawn.comparison.relative_rmse);
+        for drawn in &drawn {
+            let time = drawn.spread.map_or(f64::NAN, |spread| spread.median);
+            let point = (time, drawn.comparison.relative_rmse);
             plot.series.push(Series::new(drawn.name.as_str(), vec![point]).styled(Style::Points));
         }
 
         let mut paragraphs = vec![format!(
             "{} triangles, one square lamp in the scene, ten degrees wide, {resolution} x {resolution} map, {} x {} pixels of 2 x 2 samples. \
-             Truth: {}{}.",
+             Truth: {}.",
             stage.scene.triangle_count(),
             size[0],
             size[1],
-            truth.source,
-            truth
-                .noise
-                .map_or_else(String::new, |noise| format!(", noise {} of its mean", significant(noise, 2)))
+            truth.described()
         )];
-        paragraphs.extend(stand_ins(&[&stage], &[]));
-        let pictures = std::iter::once(("ray traced", &truth.picture, None))
-            .chain(drawn.iter().map(|drawn| (drawn.name.as_str(), &drawn.picture, Some(&drawn.comparison))));
+        paragraphs.extend(stand_ins(&[stage], &[]));
+        let stops = drawn.first().map_or(0.0, |drawn| drawn.comparison.exposure);
         let (mut whole, mut wrong) = (
             ContactSheet::new("rivals", "One light", 3),
             ContactSheet::new("rivals_difference", "Picture - truth", 3),
         );
-        let mut close: Vec<_> = regions
-            .iter()
-            .map(|region| {
-                ContactSheet::new(format!("rivals_{}", region.name), format!("Close-up: {}", region.name), 4)
-            })
-            .collect();
-        for (name, picture, comparison) in pictures {
-            let stops = drawn.first().map_or(0.0, |drawn| drawn.comparison.exposure);
-            let caption = match comparison {
-                Some(comparison) => format!("{name}\nRMSE {}", significant(comparison.relative_rmse, 3)),
-                None => name.to_owned(),
-            };
-            whole.panels.push(Panel::new(caption.clone(), shown(picture, stops)));
-            if comparison.is_some() {
-                wrong.panels.push(Panel::new(caption, difference(picture, &truth.picture)?));
+        whole.panels.push(Panel::new("ray traced", shown(&truth.picture, stops)));
+        for drawn in &drawn {
+            whole.panels.push(drawn.panel(stops));
+            wrong.panels.push(drawn.difference_panel(&drawn.name, &truth.picture)?);
+        }
+        let mut close = Vec::new();
+        for region in &regions {
+            let title = format!("Close-up: {}", region.name);
+            let mut sheet = ContactSheet::new(format!("rivals_{}", region.name), title, 4);
+            sheet.enlargement = lab.pick(8, 4, 2);
+            let part = |picture| shown(&cropped(picture, region), stops);
+            sheet.panels.push(Panel::new("ray traced", part(&truth.picture)));
+            for drawn in &drawn {
+                let error = compare_within(&drawn.picture, &truth.picture, region)?.relative_rmse;
+                let caption = format!("{}\nRMSE {}", drawn.name, significant(error, 3));
+                sheet.panels.push(Panel::new(caption, part(&drawn.picture)));
             }
-            for (sheet, region) in close.iter_mut().zip(&regions) {
-                sheet.enlargement = lab.pick(8, 4, 2);
-                let part = cropped(picture, region);
-                let caption = match comparison {
-                    Some(_) => {
-                        let error = compare_within(picture, &truth.picture, region)?.relative_rmse;
-                        format!("{name}\nRMSE {}", significant(error, 3))
-                    }
-                    None => name.to_owned(),
-                };
-                sheet.panels.push(Panel::new(caption, shown(&part, stops)));
-            }
+            close.push(sheet);
         }
         let sheets = [vec![whole, wrong], close].concat();
         Ok(Section { paragraphs, tables: vec![table], plots: vec![plot], sheets, ..Section::default() })

@@ -1,11 +1,11 @@
 use std::borrow::Cow;
 
 use gnomon_image::RgbImage;
-use gnomon_metrics::{Comparison, compare};
 use gnomon_renderer::RenderSettings;
 use gnomon_renderer::shadow::{self, Prefilter, ShadowSettings};
 
-use crate::{BenchError, Lab, Setup, TimedRenderer};
+use crate::drawn::Drawn;
+use crate::{BenchError, Lab, Setup};
 
 /// One way to draw shadows, under the name that tables give it.
 #[derive(Clone, Debug)]
@@ -54,46 +54,23 @@ impl Variant {
             .collect()
     }
 
-    /// A renderer that uses it, all else as in `frame`; `None` where the adapter cannot hold it.
-    ///
-    /// # Errors
-    /// As [`TimedRenderer::if_it_fits`].
-    pub fn renderer<'a>(
+    /// The settings of a frame that uses it, all else as in `frame`.
+    pub fn settings(&self, frame: &RenderSettings) -> RenderSettings {
+        RenderSettings {
+            shadows: self.technique.to_owned(),
+            shadow_settings: self.settings.clone(),
+            ..frame.clone()
+        }
+    }
+
+    /// One picture with it, all else as in `frame`; `None` where the adapter cannot hold it.
+    pub fn drawn<'a>(
         &self,
         lab: &Lab<'a>,
         setup: Setup<'a>,
         frame: &RenderSettings,
-    ) -> Result<Option<TimedRenderer<'a>>, BenchError> {
-        let settings = RenderSettings {
-            shadows: self.technique.to_owned(),
-            shadow_settings: self.settings.clone(),
-            ..frame.clone()
-        };
-        TimedRenderer::if_it_fits(lab, settings, setup)
-    }
-}
-
-/// A variant at work: its renderer, one picture, and how far that is from the truth.
-pub(super) struct Drawn<'a> {
-    pub name: String,
-    pub renderer: TimedRenderer<'a>,
-    pub picture: RgbImage,
-    pub comparison: Comparison,
-}
-
-impl<'a> Drawn<'a> {
-    /// `None` where the adapter cannot hold it.
-    pub fn new(
-        lab: &Lab<'a>,
-        variant: &Variant,
-        setup: Setup<'a>,
-        frame: &RenderSettings,
         truth: &RgbImage,
-    ) -> Result<Option<Self>, BenchError> {
-        let renderer = variant.renderer(lab, setup, frame)?;
-        let Some(mut renderer) = renderer else { return Ok(None) };
-        let picture = renderer.picture()?;
-        let comparison = compare(&picture, truth, None)?;
-        Ok(Some(Self { name: variant.name.to_string(), renderer, picture, comparison }))
+    ) -> Result<Option<Drawn<'a>>, BenchError> {
+        Drawn::new(lab, self.name.as_ref(), self.settings(frame), setup, truth)
     }
 }

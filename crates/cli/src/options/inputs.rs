@@ -2,7 +2,6 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use gnomon::envmap::{Equirect, Projection};
-use gnomon::image::LUMINANCE;
 use gnomon::scene::{
     Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, ReflectanceSettings,
     Scene, builtin, default_camera, load,
@@ -16,7 +15,7 @@ use crate::terminal::Terminal;
 /// What is seen, under which light, from where.
 #[derive(Args, Debug)]
 pub struct InputArgs {
-    /// Scene file (glTF, OBJ, PLY or TOML), or a built-in one: three-boxes, column
+    /// Scene file (glTF, OBJ, PLY or TOML), or a built-in one: three-boxes, column, terrain
     #[arg(value_name = "SCENE")]
     scene: String,
 
@@ -117,7 +116,8 @@ impl Inputs {
         Ok(Self {
             scene,
             camera,
-            exposure: exposure.unwrap_or_else(|| suitable_exposure(&environment)),
+            // Of the environment alone: pictures of a moving scene keep one exposure.
+            exposure: exposure.unwrap_or_else(|| environment.suitable_exposure()),
             environment,
             width,
             height,
@@ -146,14 +146,6 @@ impl Inputs {
             exposure: 0.0,
         })
     }
-}
-
-/// Stops that bring the environment's mean luminance to 0.5, so that a matte white surface is bright but not clipped. Of the
-/// environment alone: pictures of a moving scene keep one exposure. 0 for a black map.
-fn suitable_exposure(environment: &Equirect) -> f32 {
-    let mean = (environment.flux() / (4.0 * std::f64::consts::PI)).as_vec3().dot(LUMINANCE);
-    let stops = (0.5 / mean).log2();
-    if stops.is_finite() { stops.clamp(-60.0, 60.0) } else { 0.0 }
 }
 
 fn load_scene(name: &str, aspect: f32) -> Result<LoadedScene, CliError> {

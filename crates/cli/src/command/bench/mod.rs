@@ -18,6 +18,8 @@ enum Bench {
     Fits(fits::FitsArgs),
     /// Make the evaluation of convolution soft shadows (Annen et al. 2008) again
     Convolution(suite::SuiteArgs),
+    /// Make the evaluation of subtractive shadows (DeCoro and Rusinkiewicz 2008) again, and look for the best setting of all
+    Subtractive(suite::SuiteArgs),
 }
 
 /// Runs the command.
@@ -28,5 +30,6 @@ pub fn run(args: &BenchArgs, terminal: Terminal) -> Result<(), CliError> {
     match &args.bench {
         Bench::Fits(args) => fits::run(args, terminal),
         Bench::Convolution(args) => suite::run("convolution", args, terminal),
+        Bench::Subtractive(args) => suite::run("subtractive", args, terminal),
     }
 }

@@ -11,7 +11,8 @@ use crate::terminal::{Terminal, print};
 /// Experiments, error beside every time
 ///
 /// Writes report.md, results.json, and every table (CSV), plot (SVG) and sheet of pictures (PNG) by itself. What is done so far
-/// is there after every experiment.
+/// is there after every experiment. Traced pictures are kept in the folder's 'truth', so that another run need not trace them
+/// again.
 #[derive(Args, Debug)]
 pub struct SuiteArgs {
     /// Small pictures and few rows: minutes without a GPU
@@ -58,7 +59,12 @@ pub fn run(name: &str, args: &SuiteArgs, terminal: Terminal) -> Result<(), CliEr
         (_, true) => Effort::Quick,
         _ => Effort::Full,
     };
-    let options = LabOptions { effort, data: DataFolder(data_folder(args)), truth: args.truth.clone() };
+    let options = LabOptions {
+        effort,
+        data: DataFolder(data_folder(args)),
+        truth: args.truth.clone(),
+        kept_truth: Some(output.join("truth")),
+    };
     let gpu = Gpu::new(&GpuOptions { adapter: args.adapter.clone() })?;
     let mut document = Document {
         title: suite.title.to_owned(),

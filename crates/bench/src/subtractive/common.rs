@@ -1,0 +1,181 @@
+//! What the experiments of this suite share.
+
+use std::rc::Rc;
+use std::slice;
+
+use gnomon_image::RgbImage;
+use gnomon_lights::LightSet;
+use gnomon_metrics::{DISPLAY_MAPPING, Exposure, Mask, compare_displayed};
+use gnomon_renderer::RenderSettings;
+
+use crate::columns::stand_ins;
+use crate::{BenchError, Environment, Lab, Setup, Stage, TimedRenderer, Truth};
+
+/// One column of the paper's Fig. 3, or the landscape of its Fig. 4.
+pub(super) struct Case {
+    pub stage: &'static str,
+    pub environment: &'static str,
+    pub paper: &'static [Paper],
+}
+
+/// What the paper's Fig. 3 says of one picture (GeForce 8800, 1280 x 800, stencil shadow volumes).
+pub(super) struct Paper {
+    pub rule: &'static str,
+    pub lights: usize,
+    /// Samples of the picture's side for one of the shadow buffer's.
+    pub sampling: u32,
+    /// Frames per second.
+    pub rate: f64,
+    /// Of displayed values in 0..1.
+    pub rms: Option<f64>,
+}
+
+const fn paper(rule: &'static str, lights: usize, sampling: u32, rate: f64, rms: Option<f64>) -> Paper {
+    Paper { rule, lights, sampling, rate, rms }
+}
+
+pub(super) static CASES: [Case; 4] = [
+    Case {
+        stage: "glossy_bunny",
+        environment: "grace",
+        paper: &[
+            paper("additive", 40, 1, 28.0, Some(0.069)),
+            paper("subtractive", 40, 1, 23.0, Some(0.026)),
+            paper("subtractive", 15, 1, 40.0, Some(0.043)),
+        ],
+    },
+    Case {
+        stage: "glossy_triceratops",
+        environment: "stpeters",
+        paper: &[
+            paper("additive", 100, 1, 20.0, Some(0.093)),
+            paper("subtractive", 100, 1, 18.0, Some(0.039)),
+            paper("subtractive", 20, 1, 56.0, Some(0.043)),
+        ],
+    },
+    Case {
+        stage: "glossy_horse",
+        environment: "rnl",
+        paper: &[
+            paper("additive", 30, 1, 19.0, None),
+            paper("subtractive", 30, 4, 30.0, None),
+            paper("subtractive", 30, 32, 30.0, None),
+        ],
+    },
+    Case { stage: "terrain", environment: "sky", paper: &[] },
+];
+
+/// The cases of the effort at hand.
+pub(super) fn cases(lab: &Lab<'_>) -> &'static [Case] {
+    lab.pick(&CASES[..1], &CASES, &CASES)
+}
+
+/// How an environment becomes lights, and how they cast shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Family {
+    pub fit: &'static str,
+    pub technique: &'static str,
+}
+
+impl Family {
+    pub fn name(self) -> String {
+        format!("{}, {}", self.fit, self.technique)
+    }
+}
+
+/// The paper's own: points of the map by structured importance sampling, hard shadows.
+pub(super) const POINTS: Family = Family { fit: "samples:structured", technique: "hard" };
+
+/// Lights with an extent, and shadows as soft as they make them.
+pub(super) const AREAS: [Family; 2] =
+    [Family { fit: "partition", technique: "convolution" }, Family { fit: "partition", technique: "pcss" }];
+
+/// A case with its truth.
+pub(super) struct Subject {
+    pub case: &'static Case,
+    pub stage: Rc<Stage>,
+    pub environment: Rc<Environment>,
+    pub truth: Rc<Truth>,
+    size: [u32; 2],
+    /// Pixels that show the scene.
+    seen: Mask,
+}
+
+impl Subject {
+    pub fn new(lab: &Lab<'_>, case: &'static Case) -> Result<Self, BenchError> {
+        let stage = lab.stage(case.stage)?;
+        let environment = lab.environment(case.environment)?;
+        let size = lab.pick([32, 24], [96, 72], [192, 144]);
+        let truth = lab.truth(&stage, &environment, size, lab.pick(2, 512, 2048))?;
+        let seen = seen(lab, &stage, &environment, size)?;
+        Ok(Self { case, stage, environment, truth, size, seen })
+    }
+
+    pub fn setup<'a>(&'a self, lights: &'a LightSet) -> Setup<'a> {
+        Setup { stage: &self.stage, map: &self.environment.map, lights, size: self.size }
+    }
+
+    /// The paper's measure: root mean square of displayed values in 0..1 over the pixels that show the scene, at the exposure that
+    /// `gnomon render` chooses.
+    pub fn displayed_rms(&self, picture: &RgbImage) -> Result<f64, BenchError> {
+        let exposure = Exposure::Stops(self.environment.map.suitable_exposure());
+        let comparison = compare_displayed(picture, &self.truth.picture, Some(&self.seen), exposure)?;
+        // Peak signal-to-noise ratio is -20 log10 of it.
+        Ok(10_f64.powf(-comparison.psnr / 20.0))
+    }
+
+    /// Scene, environment and truth in a sentence, and what stands in for them.
+    pub fn described(&self) -> Vec<String> {
+        let what = format!(
+            "{} under {}: {} triangles, {} x {} pixels of 2 x 2 samples, truth: {}.",
+            self.case.stage,
+            self.environment.name,
+            self.stage.scene.triangle_count(),
+            self.size[0],
+            self.size[1],
+            self.truth.described()
+        );
+        let (stages, environments) = (slice::from_ref(&self.stage), slice::from_ref(&self.environment));
+        [vec![what], stand_ins(stages, environments)].concat()
+    }
+}
+
+/// How figures are to be read, for every section.
+pub(super) fn reading() -> String {
+    format!(
+        "RMS is the paper's measure: the root mean square over the pixels that show the scene and over channels of {DISPLAY_MAPPING}, at the \
+         exposure of `gnomon render`, which brings the environment's mean luminance to 0.5. Relative RMSE is of linear radiance over the \
+         whole picture. The truth is ray traced; the paper's is its own picture with 1000 lights. Models are grey, matte 0.5 and Phong 0.3 \
+         with exponent 40 (bunny, horse) or 500 (triceratops); ground and terrain are matte 0.5."
+    )
+}
+
+/// A frame as the paper draws it: every sample has its own shadows. Large sets of lights take turns.
+pub(super) fn frame(lab: &Lab<'_>) -> RenderSettings {
+    RenderSettings {
+        shadow_resolution: lab.pick(32, 256, 512),
+        shadow_sampling: 1,
+        shadow_memory_bytes: 256 << 20,
+        ..RenderSettings::default()
+    }
+}
+
+/// The same with a family, a rule and fewer samples of shadows.
+pub(super) fn settings(frame: &RenderSettings, family: Family, rule: &str, sampling: u32) -> RenderSettings {
+    RenderSettings {
+        shadows: family.technique.to_owned(),
+        compositing: rule.to_owned(),
+        shadow_sampling: sampling,
+        ..frame.clone()
+    }
+}
+
+/// The pixels that show the scene: those that are not black where there is no background.
+fn seen(lab: &Lab<'_>, stage: &Stage, environment: &Environment, size: [u32; 2]) -> Result<Mask, BenchError> {
+    let lights = lab.lights("samples", Some(1), environment)?;
+    let setup = Setup { stage, map: &environment.map, lights: &lights, size };
+    let unshadowed =
+        RenderSettings { shadows: "none".to_owned(), background: false, ..RenderSettings::default() };
+    let picture = TimedRenderer::new(lab, unshadowed, setup)?.picture()?;
+    Ok(Mask::from_fn(size[0], size[1], |x, y| picture.get(x, y).max_element() > 0.0))
+}
