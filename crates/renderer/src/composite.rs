@@ -12,6 +12,8 @@ pub struct Compositing {
     pub summary: &'static str,
     /// WGSL module that fills the slot `composite`.
     pub module: &'static str,
+    /// Whether the rule looks at unshadowed light.
+    pub(crate) needs_unshadowed: bool,
 }
 
 /// Every compositing rule.
@@ -20,16 +22,19 @@ pub const COMPOSITINGS: &[Compositing] = &[
         name: "additive",
         summary: "ambient rest plus shadowed lights (Arbree 2005, Annen 2008)",
         module: "composite_additive",
+        needs_unshadowed: false,
     },
     Compositing {
         name: "subtractive",
         summary: "unshadowed light less what shadows take away (DeCoro 2008)",
         module: "composite_subtractive",
+        needs_unshadowed: true,
     },
     Compositing {
         name: "ratio",
         summary: "unshadowed light times the shadowed share of the fit (Heitz 2018)",
         module: "composite_ratio",
+        needs_unshadowed: true,
     },
 ];
 

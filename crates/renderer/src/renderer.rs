@@ -1,15 +1,13 @@
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
-use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::LightSet;
 use gnomon_scene::{Bounds, Camera, PlacedLight, Scene};
 use gnomon_shaders::layout;
 
 use crate::ambient::{self, Ambient};
-use crate::batch_plan::ShadowSizing;
 use crate::camera::CameraMatrices;
 use crate::compose::{ComposePass, RADIANCE_FORMAT};
-use crate::composite;
+use crate::composite::{self, Compositing};
 use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
@@ -19,77 +17,14 @@ use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::recorder::{PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
+use crate::settings::{RenderSettings, check_range};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
-use crate::shadow::{self, ShadowSettings, ShadowTechnique};
+use crate::shadow::{self, ShadowTechnique};
 use crate::shadow_batches::ShadowBatches;
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
 mod materials;
-
-/// How frames are drawn.
-#[derive(Clone, Debug)]
-pub struct RenderSettings {
-    /// One of [`crate::shadow::names`].
-    pub shadows: String,
-    /// Parameters of the techniques.
-    pub shadow_settings: ShadowSettings,
-    /// Edge length of the largest depth map in texels: a power of two, 16 to 8192.
-    pub shadow_resolution: u32,
-    /// How that becomes the size of each light's map.
-    pub shadow_sizing: ShadowSizing,
-    /// Bytes of GPU memory for shadow maps and their images. Lights that do not fit take turns.
-    pub shadow_memory_bytes: u64,
-    /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
-    pub normal_offset_texels: f32,
-    /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
-    pub ambient: String,
-    /// Lights or probes that the ambient rest may become, 6 to 4096.
-    pub ambient_cells: usize,
-    /// Name of a rule in [`crate::composite::COMPOSITINGS`].
-    pub compositing: String,
-    /// Name of a source in [`crate::unshadowed::UNSHADOWED`].
-    pub unshadowed: String,
-    /// Texels along the side of a lobe's map in the radiance cache, 16 to 1024.
-    pub radiance_cache_resolution: u32,
-    /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
-    pub samples: u32,
-    /// Samples along the side of a tile of the shadow buffer, 1, 2, 4, 8, 16 or 32: lights are summed once a tile, and wherever a
-    /// sample is unlike the tiles around it (DeCoro and Rusinkiewicz 2008, section 3.2).
-    pub shadow_sampling: u32,
-    /// Stops of exposure of the displayed picture.
-    pub exposure_ev: f32,
-    /// Tone mapping of the displayed picture.
-    pub tone_mapping: ToneMapping,
-    /// Draw the environment behind the scene.
-    pub background: bool,
-    /// Submit every pass alone and time it: slower, for statistics.
-    pub profile: bool,
-}
-
-impl Default for RenderSettings {
-    fn default() -> Self {
-        Self {
-            shadows: "convolution".to_owned(),
-            shadow_settings: ShadowSettings::default(),
-            shadow_resolution: 256,
-            shadow_sizing: ShadowSizing::default(),
-            shadow_memory_bytes: 1 << 30,
-            normal_offset_texels: 1.5,
-            ambient: "cells".to_owned(),
-            ambient_cells: 32,
-            compositing: "ratio".to_owned(),
-            unshadowed: "auto".to_owned(),
-            radiance_cache_resolution: 128,
-            samples: 2,
-            shadow_sampling: 2,
-            exposure_ev: 0.0,
-            tone_mapping: ToneMapping::default(),
-            background: true,
-            profile: false,
-        }
-    }
-}
 
 /// One finished picture.
 pub struct Frame {
@@ -107,6 +42,7 @@ pub struct Renderer<'gpu> {
     settings: RenderSettings,
     technique: &'static dyn ShadowTechnique,
     ambient: &'static Ambient,
+    compositing: &'static Compositing,
     unshadowed: &'static Unshadowed,
     passes: Passes,
     geometry: Geometry,
@@ -158,52 +94,17 @@ struct Target {
 /// Samples of a lobe for every texel of the radiance cache.
 const CACHE_SAMPLES: u32 = 128;
 
-fn check_range<T: PartialOrd + std::fmt::Display>(
-    what: &'static str,
-    value: T,
-    range: std::ops::RangeInclusive<T>,
-) -> Result<(), RenderError> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    let range = format!("{} to {}", range.start(), range.end());
-    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
-}
-
 impl<'gpu> Renderer<'gpu> {
     /// A renderer of an empty scene without light.
     ///
     /// # Errors
     /// A setting names nothing or is out of range, or the device failed.
     pub fn new(gpu: &'gpu Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
-        check_range("samples along a pixel's side", settings.samples, 1..=8)?;
-        check_range("shadow map resolution", settings.shadow_resolution, 16..=8192)?;
-        check_range("exposure", settings.exposure_ev, -100.0..=100.0)?;
-        if !settings.shadow_resolution.is_power_of_two() {
-            return Err(RenderError::OutOfRange {
-                what: "shadow map resolution",
-                range: "a power of two".to_owned(),
-                value: settings.shadow_resolution.to_string(),
-            });
-        }
+        settings.check()?;
         let technique = shadow::by_name(&settings.shadows)?;
         let ambient = ambient::by_name(&settings.ambient)?;
-        check_range("cells of the ambient rest", settings.ambient_cells, 6..=4096)?;
         let compositing = composite::by_name(&settings.compositing)?;
         let unshadowed = unshadowed::by_name(&settings.unshadowed)?;
-        check_range("resolution of the radiance cache", settings.radiance_cache_resolution, 16..=1024)?;
-        check_range(
-            "samples along the side of a tile of the shadow buffer",
-            settings.shadow_sampling,
-            1..=32,
-        )?;
-        if !settings.shadow_sampling.is_power_of_two() {
-            return Err(RenderError::OutOfRange {
-                what: "samples along the side of a tile of the shadow buffer",
-                range: "a power of two".to_owned(),
-                value: settings.shadow_sampling.to_string(),
-            });
-        }
         let gbuffer = GBufferPass::new(gpu)?;
         let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
         let compose = ComposePass::new(gpu, &gbuffer.read_layout, &points.compose_layout, compositing)?;
@@ -228,6 +129,7 @@ impl<'gpu> Renderer<'gpu> {
             gpu,
             technique,
             ambient,
+            compositing,
             unshadowed,
             cache: RadianceCache::new(gpu, Vec::new(), 1, 1),
             geometry: Geometry::new(gpu, &passes.transform, &scene)?,

@@ -97,7 +97,13 @@ const PARALLEL: Projection = Projection::Orthographic { half_width: 1.1 };
 #[test]
 fn radiance_caches_match_brute_force() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let surfaces = [("metallic-roughness", Surface { metallic: 1.0, ..glossy(Model::MetallicRoughness) })];
+    let surfaces = [
+        ("metallic-roughness", Surface { metallic: 1.0, ..glossy(Model::MetallicRoughness) }),
+        ("phong", glossy(Model::Phong)),
+        ("blinn-phong", glossy(Model::BlinnPhong)),
+        ("torrance-sparrow-beckmann", glossy(Model::TorranceSparrowBeckmann)),
+        ("torrance-sparrow-gaussian", glossy(Model::TorranceSparrowGaussian)),
+    ];
     for (name, surface) in surfaces {
         let parallel = error(&gpu, surface, "cache", PARALLEL);
         let perspective = error(&gpu, surface, "cache", Projection::Perspective { fov_x: 0.56 });

@@ -1,4 +1,5 @@
 #import types
+#import brdf_reflectance
 #import hemisphere
 
 // Lookups in the radiance cache.
@@ -32,11 +33,15 @@ fn cached_texel(map: texture_2d_array<f32>, position: vec2f, layer: i32) -> vec3
 
 // What a lobe reflects of the whole environment about `reflected`. The cache's viewer is at infinity: the normal that mirrors
 // `reflected` to that viewer stands for the surface's own, so that the lobe lies where it should.
-fn cached_radiance(layer: i32, reflected: vec3f, f0: vec3f, f90: f32) -> vec3f {
+fn cached_radiance(layer: i32, reflected: vec3f, n_dot_v: f32, f0: vec3f, f90: f32) -> vec3f {
     let sum = reflected + cache.to_viewer;
     let n = select(cache.to_viewer, normalize(sum), dot(sum, sum) > 1e-8);
     let place = hemisphere_encode(vec3f(dot(n, cache.right), dot(n, cache.up), dot(n, cache.to_viewer)));
     let size = vec2f(textureDimensions(cached_f0));
     let position = saturate(0.5 * place + 0.5) * (size - 1.0);
-    return f0 * cached_texel(cached_f0, position, layer) + f90 * cached_texel(cached_f90, position, layer);
+    // At the lobe's centre Phong models go with the cosine to the light, which is that to the viewer.
+    let cosines = n_dot_v / max(dot(n, cache.to_viewer), 1e-4);
+    let is_phong = cache.lobes[layer].model == MODEL_PHONG || cache.lobes[layer].model == MODEL_BLINN_PHONG;
+    let scale = select(1.0, cosines, is_phong);
+    return scale * (f0 * cached_texel(cached_f0, position, layer) + f90 * cached_texel(cached_f90, position, layer));
 }

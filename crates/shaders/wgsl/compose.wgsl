@@ -112,7 +112,7 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
         var full_specular: vec3f;
         let layer = cached_lobe(surface.model, surface.parameter);
         if layer >= 0 {
-            full_specular = cached_radiance(layer, reflected, surface.f0, surface.f90);
+            full_specular = cached_radiance(layer, reflected, n_dot_v, surface.f0, surface.f90);
         } else {
             full_specular = equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo;
         }

@@ -26,7 +26,8 @@ impl Renderer<'_> {
 
     /// Makes the radiance cache one of the scene's lobes.
     pub(super) fn cache_lobes(&mut self, scene: &Scene) {
-        let lobes = self.unshadowed.cached_lobes(scene);
+        let wanted = self.compositing.needs_unshadowed;
+        let lobes = if wanted { self.unshadowed.cached_lobes(scene) } else { Vec::new() };
         if self.cache.rewrite(&lobes) {
             return;
         }

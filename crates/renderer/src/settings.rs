@@ -1,0 +1,109 @@
+use gnomon_image::tonemap::ToneMapping;
+
+use crate::RenderError;
+use crate::batch_plan::ShadowSizing;
+use crate::shadow::ShadowSettings;
+
+/// How frames are drawn.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// One of [`crate::shadow::names`].
+    pub shadows: String,
+    /// Parameters of the techniques.
+    pub shadow_settings: ShadowSettings,
+    /// Edge length of the largest depth map in texels: a power of two, 16 to 8192.
+    pub shadow_resolution: u32,
+    /// How that becomes the size of each light's map.
+    pub shadow_sizing: ShadowSizing,
+    /// Bytes of GPU memory for shadow maps and their images. Lights that do not fit take turns.
+    pub shadow_memory_bytes: u64,
+    /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
+    pub normal_offset_texels: f32,
+    /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
+    pub ambient: String,
+    /// Lights or probes that the ambient rest may become, 6 to 4096.
+    pub ambient_cells: usize,
+    /// Name of a rule in [`crate::composite::COMPOSITINGS`].
+    pub compositing: String,
+    /// Name of a source in [`crate::unshadowed::UNSHADOWED`].
+    pub unshadowed: String,
+    /// Texels along the side of a lobe's map in the radiance cache, 16 to 1024.
+    pub radiance_cache_resolution: u32,
+    /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
+    pub samples: u32,
+    /// Samples along the side of a tile of the shadow buffer, 1, 2, 4, 8, 16 or 32: lights are summed once a tile, and wherever a
+    /// sample is unlike the tiles around it (DeCoro and Rusinkiewicz 2008, section 3.2).
+    pub shadow_sampling: u32,
+    /// Stops of exposure of the displayed picture.
+    pub exposure_ev: f32,
+    /// Tone mapping of the displayed picture.
+    pub tone_mapping: ToneMapping,
+    /// Draw the environment behind the scene.
+    pub background: bool,
+    /// Submit every pass alone and time it: slower, for statistics.
+    pub profile: bool,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            shadows: "convolution".to_owned(),
+            shadow_settings: ShadowSettings::default(),
+            shadow_resolution: 256,
+            shadow_sizing: ShadowSizing::default(),
+            shadow_memory_bytes: 1 << 30,
+            normal_offset_texels: 1.5,
+            ambient: "cells".to_owned(),
+            ambient_cells: 32,
+            compositing: "ratio".to_owned(),
+            unshadowed: "auto".to_owned(),
+            radiance_cache_resolution: 128,
+            samples: 2,
+            shadow_sampling: 2,
+            exposure_ev: 0.0,
+            tone_mapping: ToneMapping::default(),
+            background: true,
+            profile: false,
+        }
+    }
+}
+
+impl RenderSettings {
+    /// Whether all numbers are in range.
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
+        check_range("samples along a pixel's side", self.samples, 1..=8)?;
+        check_range("exposure", self.exposure_ev, -100.0..=100.0)?;
+        check_range("cells of the ambient rest", self.ambient_cells, 6..=4096)?;
+        check_range("resolution of the radiance cache", self.radiance_cache_resolution, 16..=1024)?;
+        check_power_of_two("shadow map resolution", self.shadow_resolution, 16..=8192)?;
+        check_power_of_two(
+            "samples along the side of a tile of the shadow buffer",
+            self.shadow_sampling,
+            1..=32,
+        )
+    }
+}
+
+pub(crate) fn check_range<T: PartialOrd + std::fmt::Display>(
+    what: &'static str,
+    value: T,
+    range: std::ops::RangeInclusive<T>,
+) -> Result<(), RenderError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let range = format!("{} to {}", range.start(), range.end());
+    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
+}
+
+fn check_power_of_two(
+    what: &'static str,
+    value: u32,
+    range: std::ops::RangeInclusive<u32>,
+) -> Result<(), RenderError> {
+    if range.contains(&value) && value.is_power_of_two() {
+        return Ok(());
+    }
+    let range = format!("a power of two from {} to {}", range.start(), range.end());
+    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
+}
