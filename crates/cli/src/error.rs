@@ -11,6 +11,7 @@ use gnomon::lights::FitError;
 use gnomon::metrics::MetricsError;
 use gnomon::reference::ReferenceError;
 use gnomon::renderer::RenderError;
+use gnomon::renderer::lod::LodError;
 use gnomon::report::ReportError;
 use gnomon::scene::SceneError;
 
@@ -55,6 +56,9 @@ pub enum CliError {
     /// The picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The frame rate cannot be held.
+    #[error(transparent)]
+    LevelOfDetail(#[from] LodError),
     /// An experiment gave nothing.
     #[error(transparent)]
     Bench(#[from] BenchError),

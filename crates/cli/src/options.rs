@@ -84,6 +84,14 @@ pub fn finite(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A finite number above 0.
+///
+/// # Errors
+/// Says what was expected.
+pub fn positive(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|number| *number > 0.0).ok_or("expected a number above 0".to_owned())
+}
+
 /// An exposure in stops within any camera's reach.
 ///
 /// # Errors
@@ -132,6 +140,7 @@ mod tests {
                 && finite("1e99").is_err()
                 && finite("").is_err()
         );
+        assert!(positive("0").is_err() && positive("-1").is_err() && positive("1e-3") == Ok(1e-3));
         assert!(stops("61").is_err() && stops("-3") == Ok(-3.0));
     }
 }

@@ -19,6 +19,7 @@ mod gpu;
 mod light_frame;
 mod light_pass;
 mod lighting;
+pub mod lod;
 mod materials;
 mod near_light_frame;
 mod radiance_cache;

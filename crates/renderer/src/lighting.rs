@@ -23,6 +23,8 @@ pub(crate) struct Lighting {
     pub lights: Vec<DistantLight>,
     /// Lights that only tell how much of the sky is open.
     pub probes: Vec<DistantLight>,
+    /// What stays ambient, and what is made of it.
+    residual: Equirect,
     pub residual_sh: [[f32; 4]; 9],
     pub full_sh: [[f32; 4]; 9],
     /// The environment with mip levels.
@@ -45,25 +47,35 @@ impl Lighting {
                 adapter: gpu.adapter().name.clone(),
             });
         }
-        let sh = |map| Sh9::project(map).coefficients.map(|c| c.extend(0.0).to_array());
         let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
-        let prefiltered = |map: &Equirect| {
-            let filtered = PrefilteredMap::new(map, PREFILTERED_WIDTH, PREFILTERED_LEVELS);
-            upload(gpu, "prefiltered", filtered.levels().iter().map(Equirect::radiance))
-        };
         Ok(Self {
             lights: ambient.lights,
             probes: ambient.probes,
-            residual_sh: sh(&ambient.residual),
-            full_sh: sh(map),
+            residual_sh: spherical_harmonics(&ambient.residual),
+            full_sh: spherical_harmonics(map),
             background: upload(gpu, "background", mip_levels(map).iter().map(Equirect::radiance)),
             irradiance_full: upload(gpu, "irradiance", &[irradiance_map(map)]),
-            prefiltered_full: prefiltered(map),
-            prefiltered_residual: prefiltered(&ambient.residual),
+            prefiltered_full: prefiltered(gpu, map),
+            prefiltered_residual: prefiltered(gpu, &ambient.residual),
+            residual: ambient.residual,
             dfg_table: upload(gpu, "dfg", &[dfg]),
         })
+    }
+
+    /// The same environment with other lights. Maps are made only where another part of it stays ambient.
+    pub fn with_lights(self, gpu: &Gpu, ambient: AmbientLights) -> Self {
+        let lit = Self { lights: ambient.lights, probes: ambient.probes, ..self };
+        if lit.residual == ambient.residual {
+            return lit;
+        }
+        Self {
+            residual_sh: spherical_harmonics(&ambient.residual),
+            prefiltered_residual: prefiltered(gpu, &ambient.residual),
+            residual: ambient.residual,
+            ..lit
+        }
     }
 }
 
@@ -74,6 +86,15 @@ fn mip_levels(map: &Equirect) -> Vec<Equirect> {
         levels.push(last.resized(last.width() / 2, last.height() / 2));
     }
     levels
+}
+
+fn spherical_harmonics(map: &Equirect) -> [[f32; 4]; 9] {
+    Sh9::project(map).coefficients.map(|c| c.extend(0.0).to_array())
+}
+
+fn prefiltered(gpu: &Gpu, map: &Equirect) -> wgpu::TextureView {
+    let filtered = PrefilteredMap::new(map, PREFILTERED_WIDTH, PREFILTERED_LEVELS);
+    upload(gpu, "prefiltered", filtered.levels().iter().map(Equirect::radiance))
 }
 
 /// Uploads a picture and its mip levels in full precision: a sun exceeds what 16 bits hold.

@@ -13,6 +13,7 @@ use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass::{self, LightPass};
 use crate::lighting::Lighting;
+use crate::lod::LevelOfDetail;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::recorder::{PassTiming, Recorder};
@@ -192,6 +193,27 @@ impl<'gpu> Renderer<'gpu> {
     pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
         let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
         self.light_up(Lighting::new(self.gpu, map, ambient)?)?;
+        self.gpu.check()
+    }
+
+    /// Takes another level of detail over: `set` is another fit to the environment that was given last, with as many lights as
+    /// `level` says.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfRange`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
+    pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
+        let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
+        let settings = RenderSettings { shadow_resolution, shadow_sampling, ..self.settings.clone() };
+        settings.check()?;
+        let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
+        let Some(lit) = self.lighting.take() else {
+            return Err(RenderError::Device("no lighting was set".to_owned()));
+        };
+        if self.settings.shadow_sampling != shadow_sampling {
+            self.target = None;
+        }
+        self.settings = settings;
+        self.light_up(lit.lighting.with_lights(self.gpu, ambient))?;
         self.gpu.check()
     }
 

@@ -5,5 +5,6 @@ pub mod compare;
 pub mod decompose;
 pub mod demo;
 pub mod info;
+mod level_of_detail;
 pub mod reference;
 pub mod render;

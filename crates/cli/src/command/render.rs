@@ -10,6 +10,7 @@ use gnomon::renderer::{Gpu, GpuOptions, PassTiming, RenderSettings, Renderer, Sh
 use gnomon::scene::Camera;
 use serde_json::{Value, json};
 
+use super::level_of_detail::{self, LevelOfDetailArgs};
 use crate::error::CliError;
 use crate::options::{FitArgs, InputArgs, Inputs};
 use crate::output;
@@ -23,6 +24,7 @@ use crate::terminal::Terminal;
 #[command(after_help = "Examples:
   gnomon render three-boxes --env room -o boxes.png
   gnomon render bunny.ply --env grace.hdr --lights disks -o bunny.png --stats stats.json
+  gnomon render bunny.ply --env grace.hdr --target-fps 30 -o bunny.png
   gnomon render robot.glb --env sky --camera 'eye=3,2,4; target=0,0.5,0; fov=40' -o robot.exr")]
 pub struct RenderArgs {
     #[command(flatten)]
@@ -35,13 +37,16 @@ pub struct RenderArgs {
     #[command(flatten)]
     gpu: GpuArgs,
 
+    #[command(flatten)]
+    level_of_detail: LevelOfDetailArgs,
+
     /// Write lights, flux shares, adapter, memory and the time of every pass as JSON
     #[arg(long, value_name = "STATS.json")]
     stats: Option<PathBuf>,
 }
 
 /// How the GPU draws.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct GpuArgs {
     /// How to fit lights to the environment: disks, squares, rectangles, partition, samples (see gnomon info), or none for
     /// ambient light only
@@ -143,15 +148,40 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         output::check(path, &["json"])?;
     }
     let inputs = Inputs::load(&args.inputs, terminal)?;
-    let spinner = terminal.spinner("fitting");
-    let lights = fit_lights(&args.gpu, &inputs.environment)?;
-    drop(spinner);
+    let mut gpu = args.gpu.clone();
+    let settled = match args.level_of_detail.budget_ms() {
+        Some(budget_ms) => {
+            let _spinner = terminal.spinner("settling");
+            let (fit, adapter) = ((gpu.lights.as_str(), gpu.fit.options()), gpu.adapter.clone());
+            let settings = settings(&gpu, inputs.exposure);
+            Some(level_of_detail::settle(budget_ms, adapter, fit, settings, &inputs)?)
+        }
+        None => None,
+    };
+    let lights = match &settled {
+        Some(settled) => {
+            gpu.shadow_resolution = settled.level.shadow_resolution;
+            gpu.shadow_sampling = settled.level.shadow_sampling;
+            settled.lights.clone()
+        }
+        None => {
+            let _spinner = terminal.spinner("fitting");
+            fit_lights(&gpu, &inputs.environment)?
+        }
+    };
     let spinner = terminal.spinner("rendering");
-    let drawn = draw(&args.gpu, &inputs, &lights, args.stats.is_some())?;
+    let drawn = draw(&gpu, &inputs, &lights, args.stats.is_some())?;
     drop(spinner);
     output::write_radiance(&args.output, &drawn.radiance, inputs.exposure)?;
     if let Some(path) = &args.stats {
-        output::write_text(path, &(output::json(&stats(&inputs, &lights, &drawn)) + "\n"))?;
+        let mut stats = stats(&inputs, &lights, &drawn);
+        if let Some(settled) = &settled {
+            stats["level_of_detail"] = settled.document();
+        }
+        output::write_text(path, &(output::json(&stats) + "\n"))?;
+    }
+    if let Some(settled) = &settled {
+        terminal.note(&settled.summary());
     }
     Ok(())
 }
@@ -165,6 +195,35 @@ pub fn fit_lights(args: &GpuArgs, environment: &Equirect) -> Result<LightSet, Cl
         return Ok(LightSet::new("none", Vec::new(), environment.clone()));
     }
     Ok(fit::by_name(&args.lights, &args.fit.options())?.fit(environment)?)
+}
+
+/// Settings of the renderer, as the options ask.
+fn settings(args: &GpuArgs, exposure: f32) -> RenderSettings {
+    let mut shadow_settings = ShadowSettings::default();
+    shadow_settings.convolution.order = args.order;
+    shadow_settings.convolution.prefilter = match args.prefilter {
+        PrefilterName::Mip => Prefilter::MipChain,
+        PrefilterName::Sat => Prefilter::SummedAreaTable,
+    };
+    RenderSettings {
+        shadows: args.shadows.clone(),
+        shadow_settings,
+        shadow_sizing: match args.shadow_sizing {
+            SizingName::Footprint => ShadowSizing::Footprint,
+            SizingName::Uniform => ShadowSizing::Uniform,
+        },
+        shadow_memory_bytes: u64::from(args.shadow_memory) << 20,
+        ambient: args.ambient.clone(),
+        ambient_cells: args.ambient_cells,
+        compositing: args.compositing.clone(),
+        unshadowed: args.unshadowed.clone(),
+        shadow_resolution: args.shadow_resolution,
+        samples: args.supersample,
+        shadow_sampling: args.shadow_sampling,
+        exposure_ev: exposure,
+        profile: false,
+        ..RenderSettings::default()
+    }
 }
 
 /// A picture and what it took.
@@ -184,31 +243,7 @@ pub struct Drawn {
 /// No adapter, unknown technique, a scene beyond the adapter's limits.
 pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> Result<Drawn, CliError> {
     let gpu = Gpu::new(&GpuOptions { adapter: args.adapter.clone() })?;
-    let mut shadow_settings = ShadowSettings::default();
-    shadow_settings.convolution.order = args.order;
-    shadow_settings.convolution.prefilter = match args.prefilter {
-        PrefilterName::Mip => Prefilter::MipChain,
-        PrefilterName::Sat => Prefilter::SummedAreaTable,
-    };
-    let settings = RenderSettings {
-        shadows: args.shadows.clone(),
-        shadow_settings,
-        shadow_sizing: match args.shadow_sizing {
-            SizingName::Footprint => ShadowSizing::Footprint,
-            SizingName::Uniform => ShadowSizing::Uniform,
-        },
-        shadow_memory_bytes: u64::from(args.shadow_memory) << 20,
-        ambient: args.ambient.clone(),
-        ambient_cells: args.ambient_cells,
-        compositing: args.compositing.clone(),
-        unshadowed: args.unshadowed.clone(),
-        shadow_resolution: args.shadow_resolution,
-        samples: args.supersample,
-        shadow_sampling: args.shadow_sampling,
-        exposure_ev: inputs.exposure,
-        profile: false,
-        ..RenderSettings::default()
-    };
+    let settings = settings(args, inputs.exposure);
     let renderer = |profile| -> Result<Renderer<'_>, CliError> {
         let mut renderer = Renderer::new(&gpu, RenderSettings { profile, ..settings.clone() })?;
         renderer.set_scene(&inputs.scene)?;
@@ -272,7 +307,8 @@ fn pass_timings(
     Ok(passes)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The middle one of some values; 0 of none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

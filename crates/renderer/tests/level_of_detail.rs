@@ -1,0 +1,123 @@
+//! A live renderer whose level of detail changes, and a controller on real times.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "measured times are read with --nocapture")]
+
+mod common;
+
+use common::*;
+use glam::{Affine3A, Mat3, Vec3};
+use gnomon_envmap::Equirect;
+use gnomon_lights::{FitOptions, LightSet, fit};
+use gnomon_metrics::compare;
+use gnomon_renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange, LodState};
+use gnomon_renderer::{RenderSettings, Renderer};
+use gnomon_scene::{AreaLight, AreaLightShape, Node, NodeId, Scene, builtin};
+
+const SIZE: [u32; 2] = [96, 72];
+
+fn sky() -> Equirect {
+    gnomon_envmap::builtin::sized("sky", 128, 64).unwrap()
+}
+
+fn lights(method: &str, map: &Equirect, count: u32) -> LightSet {
+    let options = FitOptions { light_count: Some(count as usize), ..Default::default() };
+    fit::by_name(method, &options).unwrap().fit(map).unwrap()
+}
+
+#[test]
+fn a_live_renderer_at_another_level_draws_what_a_fresh_one_draws() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (scene, map) = (builtin::by_name("three-boxes").unwrap(), sky());
+    let camera = scene.cameras[0].clone();
+    // Disks leave an ambient rest, which changes with their number.
+    for (method, ambient) in [("partition", "cells"), ("disks", "unshadowed")] {
+        let settings = RenderSettings { samples: 1, ambient: ambient.to_owned(), ..Default::default() };
+        let mut live = Renderer::new(&gpu, settings.clone()).unwrap();
+        live.set_scene(&scene).unwrap();
+        live.set_lighting(&map, &lights(method, &map, 8)).unwrap();
+        let first = live.render(&camera, SIZE[0], SIZE[1]).unwrap().radiance;
+        for (count, shadow_resolution, shadow_sampling) in [(20, 128, 4), (12, 64, 1), (8, 256, 2)] {
+            let level = LevelOfDetail { lights: count, shadow_resolution, shadow_sampling };
+            let set = lights(method, &map, count);
+            live.set_level_of_detail(level, &set).unwrap();
+            let found = live.render(&camera, SIZE[0], SIZE[1]).unwrap().radiance;
+            let fresh = RenderSettings { shadow_resolution, shadow_sampling, ..settings.clone() };
+            let expected = render(&gpu, fresh, &scene, &map, &set, &camera, SIZE).radiance;
+            let error = compare(&found, &expected, None).unwrap().relative_rmse;
+            assert!(error < 1e-5, "{method} {level:?}: {error}");
+            let change = compare(&found, &first, None).unwrap().relative_rmse;
+            assert_eq!(change > 1e-3, count != 8, "{method} {level:?}: {change}");
+        }
+        let wrong = LevelOfDetail { lights: 8, shadow_resolution: 100, shadow_sampling: 2 };
+        assert!(live.set_level_of_detail(wrong, &lights(method, &map, 8)).is_err());
+    }
+}
+
+/// Lamps of its own under which the boxes stand.
+fn with_lamps(count: usize) -> Scene {
+    let mut scene = builtin::by_name("three-boxes").unwrap();
+    for lamp in 0..count {
+        let (sin, cos) = (lamp as f32 * 2.4).sin_cos();
+        let position = Vec3::new(2.0 * cos, 4.0, 2.0 * sin);
+        let facing_down = Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y);
+        scene.nodes.push(Node {
+            name: String::new(),
+            parent: None,
+            parent_from_node: Affine3A::from_mat3_translation(facing_down, position),
+            meshes: Vec::new(),
+        });
+        let shape = AreaLightShape::Disk { radius: 0.2 };
+        scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: Vec3::ONE });
+    }
+    scene
+}
+
+/// Times of a busy machine prove nothing: the band is asked for only where frames of one level took alike.
+#[test]
+fn real_frames_settle_at_the_budget_also_with_twice_the_lamps_and_replay_exactly() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = sky();
+    let settings = RenderSettings { samples: 1, profile: true, ..Default::default() };
+    let mut renderer = Renderer::new(&gpu, settings).unwrap();
+    let scene = with_lamps(4);
+    renderer.set_scene(&scene).unwrap();
+    let range = LodRange::default();
+    let least = lights("partition", &map, range.least.lights);
+    renderer.set_lighting(&map, &least).unwrap();
+    renderer.set_level_of_detail(range.least, &least).unwrap();
+    let draw = |renderer: &mut Renderer<'_>| {
+        FrameTimes::from_passes(&renderer.draw(&scene.cameras[0], SIZE[0], SIZE[1]).unwrap())
+    };
+    let warm: Vec<f64> = (0..6).map(|_| draw(&mut renderer).total()).collect();
+    let budget = 3.0 * warm[1..].iter().copied().fold(f64::INFINITY, f64::min);
+    let mut controller = LodController::new(budget, range).unwrap();
+    let mut replayed = controller.clone();
+    for lamps in [4, 8] {
+        renderer.set_scene(&with_lamps(lamps)).unwrap();
+        let mut frames = Vec::new();
+        for _ in 0..60 {
+            let level = controller.level();
+            let times = draw(&mut renderer);
+            let next = controller.next(level, &times);
+            assert_eq!((level, next), (replayed.level(), replayed.next(level, &times)));
+            frames.push((level, times.total()));
+            if next != level {
+                renderer.set_level_of_detail(next, &lights("partition", &map, next.lights)).unwrap();
+            }
+        }
+        let mut last: Vec<f64> =
+            frames.iter().rev().take_while(|(level, _)| *level == controller.level()).map(|f| f.1).collect();
+        last.sort_by(f64::total_cmp);
+        let quantile = |share: f64| last[(share * (last.len() - 1) as f64) as usize];
+        let found = quantile(0.5) / budget;
+        let state = controller.state();
+        println!(
+            "{lamps} lamps: {:?}, {found:.3} of {budget:.1} ms, {} frames, {state:?}",
+            frames[59].0,
+            last.len()
+        );
+        if last.len() >= 20 && quantile(0.9) < 1.1 * quantile(0.1) && state == LodState::Met {
+            assert!((0.85..1.1).contains(&found), "{found} of {budget} ms");
+        }
+    }
+}
