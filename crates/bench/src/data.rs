@@ -1,5 +1,6 @@
 use std::path::{Path, PathBuf};
 
+use glam::Affine3A;
 use gnomon_brdf::{Model, Surface};
 use gnomon_envmap::Equirect;
 use gnomon_scene::{
@@ -46,6 +47,9 @@ struct Source {
     files: &'static [&'static str],
     stand_in: &'static str,
 }
+
+/// Turns that stand a file's model upright and show its side: about +x, then about +y [degrees].
+const TURNS: &[(&str, [f32; 2])] = &[("glossy_horse", [-90.0, -114.0])];
 
 impl Source {
     /// The built-in, if that stands for something else.
@@ -147,6 +151,13 @@ impl DataFolder {
             }
             None => (builtin::by_name(source.stand_in)?, Ground::None, source.stand_in()),
         };
+        if let Some((_, turn)) = TURNS.iter().find(|(scene, _)| stand_in.is_none() && *scene == source.name) {
+            let [x, y] = turn.map(f32::to_radians);
+            let turned = Affine3A::from_rotation_y(y) * Affine3A::from_rotation_x(x);
+            for node in scene.nodes.iter_mut().filter(|node| node.parent.is_none()) {
+                node.parent_from_node = turned * node.parent_from_node;
+            }
+        }
         if let Some((_, shininess)) = SHININESS.iter().find(|(scene, _)| *scene == source.name) {
             make_glossy(&mut scene, *shininess);
         }
@@ -241,7 +252,14 @@ mod tests {
         let data = DataFolder(Some(folder));
         assert_eq!(data.environment("kitchen").unwrap().stand_in, None);
         for scene in SCENES {
-            assert_eq!(data.stage(scene.name).unwrap().stand_in, None);
+            let stage = data.stage(scene.name).unwrap();
+            assert_eq!(stage.stand_in, None);
+            if scene.name == "glossy_horse" {
+                // It stands on its hooves: longer than high, higher than wide.
+                let bounds = stage.scene.bounds_without_ground().unwrap();
+                let size = bounds.max - bounds.min;
+                assert!(size.x.hypot(size.z) > size.y && size.y > 0.15, "{size}");
+            }
         }
         assert!(data.truth(None, "bunny", "stpeters").is_some());
         assert_eq!(data.truth(None, "bunny", "kitchen"), None);

@@ -99,6 +99,8 @@ pub(super) struct Subject {
     size: [u32; 2],
     /// Pixels that show the scene.
     seen: Mask,
+    /// Those of them that show its models.
+    models: Mask,
 }
 
 impl Subject {
@@ -106,9 +108,10 @@ impl Subject {
         let stage = lab.stage(case.stage)?;
         let environment = lab.environment(case.environment)?;
         let size = lab.pick([32, 24], [96, 72], [192, 144]);
-        let truth = lab.truth(&stage, &environment, size, lab.pick(2, 512, 2048))?;
-        let seen = seen(lab, &stage, &environment, size)?;
-        Ok(Self { case, stage, environment, truth, size, seen })
+        let truth = lab.truth(&stage, &environment, size, lab.pick(2, 4096, 16_384))?;
+        let seen_of = |stage: &Stage| seen(lab, stage, &environment, size);
+        let (seen, models) = (seen_of(&stage)?, seen_of(&without_ground(&stage))?);
+        Ok(Self { case, stage, environment, truth, size, seen, models })
     }
 
     pub fn setup<'a>(&'a self, lights: &'a LightSet) -> Setup<'a> {
@@ -118,8 +121,17 @@ impl Subject {
     /// The paper's measure: root mean square of displayed values in 0..1 over the pixels that show the scene, at the exposure that
     /// `gnomon render` chooses.
     pub fn displayed_rms(&self, picture: &RgbImage) -> Result<f64, BenchError> {
+        self.rms_within(picture, &self.seen)
+    }
+
+    /// The same over the pixels that show the models: of their glossy surfaces alone.
+    pub fn models_rms(&self, picture: &RgbImage) -> Result<f64, BenchError> {
+        self.rms_within(picture, &self.models)
+    }
+
+    fn rms_within(&self, picture: &RgbImage, mask: &Mask) -> Result<f64, BenchError> {
         let exposure = Exposure::Stops(self.environment.map.suitable_exposure());
-        let comparison = compare_displayed(picture, &self.truth.picture, Some(&self.seen), exposure)?;
+        let comparison = compare_displayed(picture, &self.truth.picture, Some(mask), exposure)?;
         // Peak signal-to-noise ratio is -20 log10 of it.
         Ok(10_f64.powf(-comparison.psnr / 20.0))
     }
@@ -168,6 +180,15 @@ pub(super) fn settings(frame: &RenderSettings, family: Family, rule: &str, sampl
         shadow_sampling: sampling,
         ..frame.clone()
     }
+}
+
+/// The stage with nothing under its models.
+fn without_ground(stage: &Stage) -> Stage {
+    let mut stage = stage.clone();
+    if let Some(ground) = stage.scene.ground.and_then(|ground| stage.scene.nodes.get_mut(ground.0)) {
+        ground.meshes.clear();
+    }
+    stage
 }
 
 /// The pixels that show the scene: those that are not black where there is no background.

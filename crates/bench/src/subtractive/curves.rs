@@ -6,7 +6,7 @@ use super::common::{AREAS, Case, Family, POINTS, Subject, cases, frame, settings
 use crate::columns::{TIME_COLUMNS, mebibytes, time_cells};
 use crate::drawn::{Drawn, time_in_turns};
 use crate::pictures::shown;
-use crate::timing::{Spread, TimingPlan};
+use crate::timing::TimingPlan;
 use crate::{BenchError, Lab};
 
 /// A compositing rule, and how many samples of the picture's side share one of the shadow buffer's.
@@ -42,6 +42,8 @@ pub(super) struct Point {
     pub milliseconds: f64,
     /// RMS of displayed values.
     pub displayed: f64,
+    /// The same over the pixels of models.
+    pub models: f64,
     /// Relative RMSE of radiance.
     pub linear: f64,
 }
@@ -77,6 +79,7 @@ impl Measured {
             &[
                 ("shadow memory", "MiB"),
                 ("RMS", ""),
+                ("RMS, models alone", ""),
                 ("relative RMSE", ""),
                 ("relative bias", ""),
                 ("paper, RMS", ""),
@@ -135,10 +138,11 @@ impl Measured {
                     continue;
                 };
                 let displayed = subject.displayed_rms(&drawn.picture)?;
+                let models = subject.models_rms(&drawn.picture)?;
                 let milliseconds = drawn.spread.map_or(f64::NAN, |spread| spread.median);
                 let linear = drawn.comparison.relative_rmse;
-                curve.points.push(Point { lights: found, milliseconds, displayed, linear });
-                let row = row(curve, count, drawn.spread.as_ref(), drawn, displayed);
+                curve.points.push(Point { lights: found, milliseconds, displayed, models, linear });
+                let row = row(curve, count, drawn);
                 self.table.push(row);
                 let caption = format!("{found} lights, {}\nRMS {}", drawn.name, significant(displayed, 3));
                 let stops = subject.environment.map.suitable_exposure() - 1.0;
@@ -151,13 +155,8 @@ impl Measured {
     }
 }
 
-fn row(
-    curve: &Curve,
-    asked_for: usize,
-    spread: Option<&Spread>,
-    drawn: &Drawn<'_>,
-    displayed: f64,
-) -> Vec<Cell> {
+/// The last point of a curve.
+fn row(curve: &Curve, asked_for: usize, drawn: &Drawn<'_>) -> Vec<Cell> {
     let Curve { case, family, rule, points } = curve;
     let paper = case.paper.iter().find(|paper| {
         *family == POINTS
@@ -170,9 +169,10 @@ fn row(
         rule.label().into(),
         points.last().map(|point| point.lights).into(),
     ];
-    row.extend(time_cells(spread));
+    row.extend(time_cells(drawn.spread.as_ref()));
     row.push(mebibytes(drawn.renderer.shadow_bytes()).into());
-    row.push(displayed.into());
+    row.push(points.last().map(|point| point.displayed).into());
+    row.push(points.last().map(|point| point.models).into());
     row.push(drawn.comparison.relative_rmse.into());
     row.push(drawn.comparison.relative_bias.into());
     row.push(paper.and_then(|paper| paper.rms).into());

@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     fn point(lights: usize, milliseconds: f64, displayed: f64) -> Point {
-        Point { lights, milliseconds, displayed, linear: 2.0 * displayed }
+        Point { lights, milliseconds, displayed, models: displayed, linear: 2.0 * displayed }
     }
 
     #[test]
