@@ -1,5 +1,8 @@
 //! Bind group layouts and pipelines with less ceremony. Every binding is visible to all stages its pass has.
 
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
 use crate::{Gpu, RenderError};
 
 /// One binding of a layout.
@@ -59,6 +62,21 @@ impl Binding {
     }
 }
 
+/// A compiled module.
+pub(crate) struct Shader {
+    pub module: wgpu::ShaderModule,
+    /// Names of the module and of what fills its slots.
+    key: String,
+}
+
+/// What has been compiled for a device. Drivers take up to half a second for a pipeline's first dispatch, and pipelines depend on
+/// nothing but their shader: every layout that a shader is used with is the same.
+#[derive(Default)]
+pub(crate) struct Compiled {
+    modules: Mutex<HashMap<String, wgpu::ShaderModule>>,
+    pipelines: Mutex<HashMap<String, wgpu::ComputePipeline>>,
+}
+
 impl Gpu {
     /// A layout with `(binding number, binding)` entries.
     pub(crate) fn layout(
@@ -103,12 +121,20 @@ impl Gpu {
         &self,
         module: &str,
         slots: &[gnomon_shaders::Slot<'_>],
-    ) -> Result<wgpu::ShaderModule, RenderError> {
+    ) -> Result<Shader, RenderError> {
+        let key =
+            slots.iter().fold(module.to_owned(), |key, (slot, filled)| format!("{key} {slot}={filled}"));
+        let mut modules = self.compiled.modules.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(module) = modules.get(&key) {
+            return Ok(Shader { module: module.clone(), key });
+        }
         let source = gnomon_shaders::resolve(module, slots)?;
-        Ok(self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(module),
             source: wgpu::ShaderSource::Wgsl(source.into()),
-        }))
+        });
+        modules.insert(key.clone(), module.clone());
+        Ok(Shader { module, key })
     }
 
     pub(crate) fn pipeline_layout(&self, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout {
@@ -119,7 +145,22 @@ impl Gpu {
         })
     }
 
+    /// The pipeline of an entry point, made once for a device.
     pub(crate) fn compute_pipeline(
+        &self,
+        shader: &Shader,
+        entry: &str,
+        groups: &[Option<&wgpu::BindGroupLayout>],
+    ) -> wgpu::ComputePipeline {
+        let mut pipelines = self.compiled.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = format!("{} {entry}", shader.key);
+        pipelines
+            .entry(key)
+            .or_insert_with(|| self.new_compute_pipeline(&shader.module, entry, groups))
+            .clone()
+    }
+
+    pub(crate) fn new_compute_pipeline(
         &self,
         module: &wgpu::ShaderModule,
         entry: &str,

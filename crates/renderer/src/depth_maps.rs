@@ -58,13 +58,13 @@ impl ShadowMapPass {
             wgpu::ShaderStages::VERTEX,
             &[(0, Binding::Storage { read_only: true })],
         );
-        let module = gpu.shader("shadow_map", &[])?;
+        let shader = gpu.shader("shadow_map", &[])?;
         let pipeline = |vertex, fragment: Option<wgpu::FragmentState<'_>>| {
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("shadow map"),
                 layout: Some(&gpu.pipeline_layout(&[Some(&layout)])),
                 vertex: wgpu::VertexState {
-                    module: &module,
+                    module: &shader.module,
                     entry_point: Some(vertex),
                     compilation_options: Default::default(),
                     buffers: &[Some(wgpu::VertexBufferLayout {
@@ -89,7 +89,7 @@ impl ShadowMapPass {
             })
         };
         let linear_depth = wgpu::FragmentState {
-            module: &module,
+            module: &shader.module,
             entry_point: Some("linear_depth"),
             compilation_options: Default::default(),
             targets: &[],

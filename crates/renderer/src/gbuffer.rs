@@ -51,7 +51,7 @@ impl GBufferPass {
         let mut read = vec![(0, Binding::Depth { dimension: D2 })];
         read.extend((1..).zip([Binding::LOADED; COLOR_COUNT]));
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
-        let module = gpu.shader("gbuffer", &[])?;
+        let shader = gpu.shader("gbuffer", &[])?;
         let attribute = |array_stride, attributes| {
             Some(wgpu::VertexBufferLayout {
                 array_stride,
@@ -63,7 +63,7 @@ impl GBufferPass {
             label: Some("gbuffer"),
             layout: Some(&gpu.pipeline_layout(&[Some(&view_layout), Some(&material_layout)])),
             vertex: wgpu::VertexState {
-                module: &module,
+                module: &shader.module,
                 entry_point: Some("gbuffer_vertex"),
                 compilation_options: Default::default(),
                 buffers: &[
@@ -84,7 +84,7 @@ impl GBufferPass {
             }),
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
-                module: &module,
+                module: &shader.module,
                 entry_point: Some("gbuffer_fragment"),
                 compilation_options: Default::default(),
                 targets: &[const { Some(color_target()) }; COLOR_COUNT],

@@ -3,6 +3,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde::Serialize;
 
 use crate::RenderError;
+use crate::bindings::Compiled;
 
 /// How to choose an adapter.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +35,7 @@ pub struct AdapterSummary {
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    pub(crate) compiled: Compiled,
     summary: AdapterSummary,
     fault: Arc<Mutex<Option<String>>>,
 }
@@ -168,7 +170,7 @@ impl Gpu {
                 note(format!("device lost: {}", one_line(&message)));
             }
         });
-        Ok(Self { device, queue, summary: summarise(adapter), fault })
+        Ok(Self { device, queue, compiled: Compiled::default(), summary: summarise(adapter), fault })
     }
 
     /// The adapter in use.

@@ -115,7 +115,7 @@ fn evaluate(
     let bindings = [(0, Binding::Storage { read_only: true }), (1, Binding::Storage { read_only: false })];
     let layout = gpu.layout("lookup", wgpu::ShaderStages::COMPUTE, &bindings);
     let groups = [None, None, Some(resources.layout()), Some(&layout)];
-    let pipeline = gpu.compute_pipeline(&module, "lookup", &groups);
+    let pipeline = gpu.new_compute_pipeline(&module, "lookup", &groups);
     let size = 16 * lookups.len() as u64;
     let input = gpu.buffer_with("lookups", bytemuck::cast_slice(lookups), wgpu::BufferUsages::STORAGE);
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
