@@ -25,6 +25,8 @@ pub(crate) enum Binding {
         dimension: wgpu::TextureViewDimension,
     },
     Sampler,
+    /// A sampler that does not filter: the only kind with which depths may be gathered.
+    GatheringSampler,
     /// A sampler that compares depths.
     ComparisonSampler,
 }
@@ -57,6 +59,7 @@ impl Binding {
                 view_dimension: dimension,
             },
             Self::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+            Self::GatheringSampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering),
             Self::ComparisonSampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
         }
     }

@@ -227,6 +227,10 @@ pub struct ConvolutionParameters {
     pub average_bias: f32,
     pub footprint_scale: f32,
     pub plane_iterations: u32,
+    pub contact_samples: u32,
+    pub contact_reach: f32,
+    pub padding_0: u32,
+    pub padding_1: u32,
     pub far_sin: [[f32; 4]; 4],
     pub far_cos: [[f32; 4]; 4],
 }

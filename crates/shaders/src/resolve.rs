@@ -52,6 +52,7 @@ const MODULES: &[(&str, &str)] = sources![
     "composite_additive",
     "composite_ratio",
     "composite_subtractive",
+    "contact_shadow",
     "convolution_visibility",
     "depth_moments",
     "downsample",

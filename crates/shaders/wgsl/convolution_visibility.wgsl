@@ -1,8 +1,9 @@
 #import shadow_frame
 #import series
+#import contact_shadow
 
-// Convolution soft shadows (Annen et al. 2008, sections 3 and 4.1; Fig. 2) over images that are filtered in one of several ways. The
-// importer brings `Kernel`, `kernel_of(light, width)` with the width of the light's footprint as a share of the map's side per
+// Convolution soft shadows (Annen et al. 2008, sections 3 and 4.1; Fig. 2) over images that are filtered in one of several ways, and
+// the depth map itself for what is too near for the series. The importer brings `Kernel`, `kernel_of(light, width)` with the width of the light's footprint as a share of the map's side per
 // unit of the light's own size, and `filtered(image, uv, layer, kernel, unblocked)`, the mean over the kernel, with
 // the value of a texel that nothing blocks.
 
@@ -13,6 +14,8 @@
 @group(2) @binding(4) var basis_z_cos: texture_2d_array<f32>;
 @group(2) @binding(5) var linear_depth: texture_2d_array<f32>;
 @group(2) @binding(6) var trilinear: sampler;
+@group(2) @binding(7) var depth_maps: texture_depth_2d_array;
+@group(2) @binding(8) var gathering: sampler;
 
 // Of the first kernel: less than this is blocked nowhere, up to the ringing of the series.
 const FULLY_LIT: f32 = 0.995;
@@ -59,7 +62,8 @@ fn average_blocker_depth(light: u32, uv: vec2f, d: f32, kernel: Kernel, lit: f32
     return clamp(sum / max(1.0 - lit, 1e-3), 0.0, d);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+// Behind blockers as the filtered series sees them.
+fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     let receiver = receiver_in_light(light, position_world, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
@@ -99,4 +103,14 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
         return clean;
     }
     return sharpen(clean, blocker_distance, parameters.sharpening_a, parameters.sharpening_b);
+}
+
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+    let lit = series_visibility(light, position_world, normal_world);
+    if parameters.contact_samples == 0u || lit == 0.0 {
+        return lit;
+    }
+    // Both see a blocker at the end of the reach: a product would darken its penumbra twice.
+    let samples = parameters.contact_samples;
+    return min(lit, contact_visibility(light, position_world, normal_world, samples, parameters.contact_reach));
 }

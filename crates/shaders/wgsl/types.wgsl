@@ -265,6 +265,12 @@ struct ConvolutionParameters {
     footprint_scale: f32,
     // Times the shadow map's plane is put at the average blocker depth.
     plane_iterations: u32,
+    // Places of the depth map looked at for blockers near the receiver, 0 for none.
+    contact_samples: u32,
+    // How near those are, in linear depth.
+    contact_reach: f32,
+    padding_0: u32,
+    padding_1: u32,
     // Basis at the far plane, group by group: of texels that nothing blocks.
     far_sin: array<vec4f, 4>,
     far_cos: array<vec4f, 4>,

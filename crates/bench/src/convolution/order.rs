@@ -1,4 +1,5 @@
 use gnomon_renderer::RenderSettings;
+use gnomon_renderer::shadow::ConvolutionSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Plot, Section, Series, Table};
 
 use super::common::{Lamp, uniform_maps};
@@ -21,9 +22,14 @@ const PARTS: [(&str, bool, bool); 4] = [
     ("neither", false, false),
 ];
 
-/// The variant with parts of its reconstruction switched off.
+/// The paper's method of the variant's order and filter, with parts of its reconstruction switched off.
 fn with_parts(mut variant: Variant, suppression: bool, sharpening: bool) -> Variant {
     let settings = &mut variant.settings.convolution;
+    *settings = ConvolutionSettings {
+        order: settings.order,
+        prefilter: settings.prefilter,
+        ..ConvolutionSettings::paper()
+    };
     if !suppression {
         (settings.black_point, settings.white_point) = (0.0, 1.0);
         // It makes up for what the stretch between the two narrows.

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use gnomon::envmap::Equirect;
 use gnomon::image::RgbImage;
 use gnomon::lights::{LightSet, fit};
-use gnomon::renderer::shadow::{Prefilter, ShadowSettings};
+use gnomon::renderer::shadow::{ConvolutionSettings, Prefilter, ShadowSettings};
 use gnomon::renderer::{Gpu, GpuOptions, PassTiming, RenderSettings, Renderer, ShadowSizing};
 use gnomon::scene::Camera;
 use serde_json::{Value, json};
@@ -82,6 +82,11 @@ pub struct GpuArgs {
     /// its own width and height)
     #[arg(long, value_enum, default_value_t = PrefilterName::Mip)]
     pub prefilter: PrefilterName,
+
+    /// Places of the depth map that convolution shadows look at for blockers too near for the series, 0 to 64; 0 leaves contacts to the
+    /// series and its sharpening, as the paper does
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub contact_samples: u32,
 
     /// How large the lights' shadow maps are: by the light's footprint, wide lights having coarser maps, or all alike
     #[arg(long, value_enum, default_value_t = SizingName::Footprint)]
@@ -200,6 +205,10 @@ pub fn fit_lights(args: &GpuArgs, environment: &Equirect) -> Result<LightSet, Cl
 /// Settings of the renderer, as the options ask.
 fn settings(args: &GpuArgs, exposure: f32) -> RenderSettings {
     let mut shadow_settings = ShadowSettings::default();
+    if args.contact_samples == 0 {
+        shadow_settings.convolution = ConvolutionSettings::paper();
+    }
+    shadow_settings.convolution.contact_samples = args.contact_samples;
     shadow_settings.convolution.order = args.order;
     shadow_settings.convolution.prefilter = match args.prefilter {
         PrefilterName::Mip => Prefilter::MipChain,

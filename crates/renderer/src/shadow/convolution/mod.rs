@@ -62,10 +62,17 @@ pub struct ConvolutionSettings {
     /// Factor on every kernel's width, 0 to 10. Stretching the series between `black_point` and `white_point` narrows penumbrae;
     /// this widens them again.
     pub footprint_scale: f32,
+    /// Places of the depth map itself that are looked at for blockers too near for the series, each between four texels, 0 to 64; where
+    /// there are such blockers, as many are filtered again. 0 leaves contacts to the series, as the paper does.
+    pub contact_samples: u32,
+    /// Distance from the receiver up to which blockers are looked for in the depth map, as a share of the depth range over M, 0
+    /// to 4. The series takes over where it sees nothing but blockers at that distance.
+    pub contact_reach: f32,
 }
 
-impl Default for ConvolutionSettings {
-    fn default() -> Self {
+impl ConvolutionSettings {
+    /// The paper's method alone: contacts are left to the series and darkened by sharpening.
+    pub fn paper() -> Self {
         Self {
             order: 4,
             prefilter: Prefilter::default(),
@@ -77,6 +84,22 @@ impl Default for ConvolutionSettings {
             sharpening_b: 20.0,
             depth_bias: 0.24,
             footprint_scale: 1.4,
+            contact_samples: 0,
+            contact_reach: 0.85,
+        }
+    }
+}
+
+impl Default for ConvolutionSettings {
+    /// The depth map tells what is near: contacts need no darkening, and the series may have more bias. Kernels have the closed form's
+    /// penumbrae.
+    fn default() -> Self {
+        Self {
+            sharpening_a: 0.0,
+            depth_bias: 0.26,
+            footprint_scale: 1.415,
+            contact_samples: 8,
+            ..Self::paper()
         }
     }
 }
@@ -122,6 +145,11 @@ impl ConvolutionSettings {
                 0.0..=10.0,
             )?,
             plane_iterations: in_range("iterations of the shadow map's plane", self.plane_iterations, 0..=4)?,
+            contact_samples: in_range("contact samples", self.contact_samples, 0..=64)?,
+            contact_reach: in_range("reach of contact samples", self.contact_reach, 0.0..=4.0)?.max(1e-3)
+                / order as f32,
+            padding_0: 0,
+            padding_1: 0,
             far_sin: far.map(|phases| phases[1].to_array()),
             far_cos: far.map(|phases| phases[0].to_array()),
         })
@@ -218,12 +246,19 @@ impl Resources {
                 (4, sampled),
                 (5, sampled),
                 (6, Binding::Sampler),
+                (7, Binding::Depth { dimension: D2_ARRAY }),
+                (8, Binding::GatheringSampler),
             ],
         );
         let views: Vec<_> = images.basis.iter().chain([&images.depth]).map(array_view).collect();
         let mut resources = vec![(0, parameters.as_entire_binding())];
         resources.extend((1..).zip(&views).map(|(i, view)| (i, wgpu::BindingResource::TextureView(view))));
+        let gathering = gpu
+            .device
+            .create_sampler(&wgpu::SamplerDescriptor { label: Some("gathering"), ..Default::default() });
         resources.push((6, wgpu::BindingResource::Sampler(&trilinear)));
+        resources.push((7, wgpu::BindingResource::TextureView(&maps.array)));
+        resources.push((8, wgpu::BindingResource::Sampler(&gathering)));
         let bind_group = gpu.bind_group("convolution", &layout, &resources);
         Ok(Self { layout, bind_group, filter })
     }

@@ -322,4 +322,6 @@ fn settings_out_of_range_are_named() {
     assert!(wrong(|s| s.sharpening_b = -1.0).is_some());
     assert!(wrong(|s| s.depth_bias = f32::INFINITY).is_some());
     assert!(wrong(|s| s.footprint_scale = -0.1).is_some());
+    assert!(wrong(|s| s.contact_samples = 65).unwrap().contains("0 to 64"));
+    assert!(wrong(|s| s.contact_reach = f32::NAN).unwrap().contains("reach"));
 }
