@@ -85,6 +85,9 @@ pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
 /// What may cross a depth or normal edge of a coarse shadow buffer, as a share of the light beside it.
 pub const SAMPLING_BLEED: f32 = 0.01;
 
+/// Light that the series of four terms may take from a receiver right behind a map's near plane: the height of its ripples.
+pub const SERIES_RIPPLE: f32 = 0.06;
+
 /// Irradiance of an area light in the scene on an open plane against the closed form, relative.
 pub const OPEN_PLANE_IRRADIANCE: f32 = 0.01;
 

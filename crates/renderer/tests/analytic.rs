@@ -11,7 +11,7 @@ use gnomon_image::RgbImage;
 use gnomon_lights::{FitOptions, LightSet};
 use gnomon_metrics::{penumbra, tolerances};
 use gnomon_renderer::{RenderSettings, composite, shadow};
-use gnomon_scene::{Camera, Material, Scene};
+use gnomon_scene::{Camera, Material, Mesh, Projection, Scene};
 
 fn material(surface: Surface) -> Material {
     Material { surface, ..Default::default() }
@@ -211,4 +211,47 @@ fn nothing_to_draw_and_wrong_settings_are_defined() {
     renderer.set_lighting(&no_light(), &black).unwrap();
     assert!(renderer.render(&camera, 0, 8).is_err());
     assert!(renderer.render(&camera, 8, 1 << 20).is_err());
+}
+
+#[test]
+fn nothing_between_the_models_and_the_light_is_shadowed() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    // A wall whose shadow falls to -x; the ground on the other side lies between the light and the wall, in part in front of the
+    // map's near plane. Half a metre at the wall's foot is left out.
+    let wall = |x: f32| Mesh {
+        positions: vec![
+            Vec3::new(x, 0.0, -0.5),
+            Vec3::new(x, 0.0, 0.5),
+            Vec3::new(x, 1.0, 0.5),
+            Vec3::new(x, 1.0, -0.5),
+        ],
+        normals: vec![Vec3::X; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Default::default()
+    };
+    let ground = horizontal(Vec2::splat(-4.0), Vec2::splat(4.0), 0.0);
+    let scene = scene_of(vec![ground, wall(0.0), wall(-0.1)], edge::white());
+    let camera = Camera {
+        projection: Projection::Orthographic { half_width: 1.75 },
+        ..Camera::look_at(Vec3::new(2.25, 3.0, 1e-3), Vec3::new(2.25, 0.0, 0.0), 1.0)
+    };
+    for (elevation, turn) in [(10.0_f32, 30.0_f32), (35.0, 0.0)] {
+        let (sin, cos) = elevation.to_radians().sin_cos();
+        let (side, ahead) = turn.to_radians().sin_cos();
+        let set = one_disk(Vec3::new(cos * ahead, sin, cos * side), 0.1);
+        let picture = |shadows: &str| {
+            let settings = RenderSettings { shadow_sampling: 1, ..edge::settings(shadows) };
+            render(&gpu, settings, &scene, &no_light(), &set, &camera, [96, 96]).radiance
+        };
+        let unshadowed = picture("none");
+        // A kernel of fixed size meets the ground itself where light only grazes it.
+        for (technique, _) in shadow::names().filter(|(name, _)| *name != "pcf" || elevation > 15.0) {
+            let shadowed = picture(technique);
+            let least = (shadowed.texels().iter().zip(unshadowed.texels()))
+                .map(|(shadowed, unshadowed)| shadowed.x / unshadowed.x)
+                .fold(f32::INFINITY, f32::min);
+            let lost = if technique == "convolution" { tolerances::SERIES_RIPPLE } else { tolerances::UMBRA };
+            assert!(least >= 1.0 - lost, "{technique}, {elevation}, {turn}: {least}");
+        }
+    }
 }

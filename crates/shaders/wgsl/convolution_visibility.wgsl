@@ -68,12 +68,16 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
     }
+    // Nothing is nearer than the map's near plane.
+    if receiver.w <= 0.0 {
+        return 1.0;
+    }
     let depth = SERIES_DEPTH_SCALE * receiver.z;
 
     // First kernel: where the cone to the light meets the near plane. It holds the final one, so where all of it is lit or
     // all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
     // less would mix the receiver's depth into the blockers'.
-    let d_average = depth - parameters.average_bias;
+    let d_average = max(depth - parameters.average_bias, SERIES_LEAST_DEPTH);
     var kernel = kernel_at(light, receiver.w, 0.0);
     let first_lit = filtered_lit(light, receiver.xy, d_average, kernel);
     if first_lit >= FULLY_LIT {
@@ -97,7 +101,7 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
         blocker_distance = depth - z_avg;
         kernel = kernel_at(light, receiver.w, z_avg / SERIES_DEPTH_SCALE);
     }
-    let lit = filtered_lit(light, receiver.xy, depth - parameters.depth_bias, kernel);
+    let lit = filtered_lit(light, receiver.xy, max(depth - parameters.depth_bias, SERIES_LEAST_DEPTH), kernel);
     let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);
     if parameters.plane_iterations == 0u {
         return clean;

@@ -2,9 +2,10 @@
 
 // Fourier series of the shadow test [d <= z] (Annen et al. 2007; 2008 appendix, eq. 10).
 
-// Depths are scaled into [0, 0.9] before the series: it is a square wave of period 2, and with d near 0 and z near 1 it
-// would already be falling into its next period.
+// Depths are scaled into [0, 0.9] before the series: it is a square wave of period 2, and with d near 0 and z near 1 it would already be
+// falling into its next period. Biased depths stay above the least for which four terms still call the far plane lit.
 const SERIES_DEPTH_SCALE: f32 = 0.9;
+const SERIES_LEAST_DEPTH: f32 = -0.02;
 
 // cos(c_k x) and sin(c_k x) of the four terms of one RGBA layer, k = 4 group + 1 .. 4 group + 4: the first by definition, the
 // others by turning it by 2 pi x.
