@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use gnomon_brdf::{Model, Surface};
 use gnomon_envmap::Equirect;
 use gnomon_scene::{
@@ -177,12 +177,18 @@ impl DataFolder {
     }
 }
 
-/// A grey surface with a Phong highlight; its matte and its glossy part reflect no more than all light.
+/// A surface that is nearly all highlight; the paper shows such and does not give its colours.
 fn phong(shininess: f32) -> Surface {
-    Surface { model: Model::Phong, shininess, specular: 0.3, ..Surface::default() }
+    Surface {
+        model: Model::Phong,
+        shininess,
+        base_color: Vec3::splat(0.1),
+        specular: 0.8,
+        ..Surface::default()
+    }
 }
 
-/// Gives every mesh but the ground the same Phong surface.
+/// Gives every mesh but the ground the same Phong surface and, their files having none, smooth normals.
 fn make_glossy(scene: &mut Scene, shininess: f32) {
     let name = "glossy".to_owned();
     scene.materials.push(Material {
@@ -196,6 +202,7 @@ fn make_glossy(scene: &mut Scene, shininess: f32) {
     for (index, mesh) in scene.meshes.iter_mut().enumerate() {
         if !of_ground.as_ref().is_some_and(|meshes| meshes.contains(&MeshId(index))) {
             mesh.material = material;
+            mesh.smooth_normals();
         }
     }
 }

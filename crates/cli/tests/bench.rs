@@ -77,7 +77,7 @@ const ERRORS: [&str; 5] = ["relative RMSE", "no shadows", "unshadowed", "relativ
 fn errors(table: &Value) -> Vec<f64> {
     let columns = table["columns"].as_array().unwrap();
     let place = |name: &&str| columns.iter().position(|column| column["name"] == **name);
-    let place = ERRORS.iter().find_map(|name| place(name)).unwrap();
+    let place = ERRORS.iter().find_map(place).unwrap();
     table["rows"].as_array().unwrap().iter().filter_map(|row| row[place].as_f64()).collect()
 }
 

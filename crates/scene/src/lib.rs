@@ -14,6 +14,7 @@ mod material;
 mod reflectance;
 mod scene;
 mod shade_inputs;
+mod smooth;
 mod texture;
 
 pub use camera::{Camera, Projection};
