@@ -143,7 +143,7 @@ impl DataFolder {
     /// An unknown name, a file that cannot be used.
     pub fn stage(&self, name: &str) -> Result<Stage, BenchError> {
         let source = known(SCENES, "scene", name)?;
-        let (mut scene, ground, stand_in) = match self.find(source.files) {
+        let (mut scene, mut ground, stand_in) = match self.find(source.files) {
             Some(path) => {
                 let loaded =
                     gnomon_scene::load(&path, &LoadOptions { aspect: ASPECT, ..LoadOptions::default() })?;
@@ -160,6 +160,8 @@ impl DataFolder {
         }
         if let Some((_, shininess)) = SHININESS.iter().find(|(scene, _)| *scene == source.name) {
             make_glossy(&mut scene, *shininess);
+            // Light from below is part of what a highlight shows; the paper's models have nothing under them.
+            ground = Ground::None;
         }
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, ASPECT));
         scene.add_ground(ground);
@@ -188,7 +190,7 @@ fn phong(shininess: f32) -> Surface {
     }
 }
 
-/// Gives every mesh but the ground the same Phong surface and, their files having none, smooth normals.
+/// Gives every mesh but a ground the same Phong surface and, their files having none, smooth normals.
 fn make_glossy(scene: &mut Scene, shininess: f32) {
     let name = "glossy".to_owned();
     scene.materials.push(Material {
@@ -240,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn glossy_models_stand_on_matte_ground() {
+    fn the_stand_in_of_a_glossy_model_keeps_its_matte_ground() {
         let scene = DataFolder(None).stage("glossy_bunny").unwrap().scene;
         let surface = |mesh: usize| scene.materials[scene.meshes[mesh].material.unwrap().0].surface;
         let ground = scene.nodes[scene.ground.unwrap().0].meshes[0].0;

@@ -157,8 +157,8 @@ pub(super) fn reading() -> String {
     format!(
         "RMS is the paper's measure: the root mean square over the pixels that show the scene and over channels of {DISPLAY_MAPPING}, at the \
          exposure of `gnomon render`, which brings the environment's mean luminance to 0.5. Relative RMSE is of linear radiance over the \
-         whole picture. The truth is ray traced; the paper's is its own picture with 1000 lights. Models are grey, matte 0.5 and Phong 0.3 \
-         with exponent 40 (bunny, horse) or 500 (triceratops); ground and terrain are matte 0.5."
+         whole picture. The truth is ray traced; the paper's is its own picture with 1000 lights. Models are grey, matte 0.1 and Phong 0.8 \
+         with exponent 40 (bunny, horse) or 500 (triceratops), and stand free; the terrain is matte 0.5."
     )
 }
 
