@@ -119,7 +119,7 @@ fn penumbra_profile(
     let set = one_disk(Vec3::Y, angular_radius);
     // From below the occluder.
     let camera = Camera {
-        projection: gnomon_scene::Projection::Orthographic { half_width: 0.5 },
+        projection: Projection::Orthographic { half_width: 0.5 },
         ..Camera::look_at(Vec3::new(0.0, 0.5 * height, 0.0), Vec3::ZERO, 1.0)
     };
     let settings = RenderSettings {
