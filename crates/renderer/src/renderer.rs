@@ -18,7 +18,7 @@ use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::recorder::{PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
-use crate::settings::{RenderSettings, check_range};
+use crate::settings::{RenderSettings, in_range};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::{self, ShadowTechnique};
 use crate::shadow_batches::ShadowBatches;
@@ -285,8 +285,8 @@ impl<'gpu> Renderer<'gpu> {
     pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
         let gpu = self.gpu;
         let largest = gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
-        check_range("picture width", width, 1..=largest)?;
-        check_range("picture height", height, 1..=largest)?;
+        in_range("picture width", width, 1..=largest)?;
+        in_range("picture height", height, 1..=largest)?;
         if self.target.as_ref().is_none_or(|target| target.size != [width, height]) {
             self.target = Some(self.new_target([width, height])?);
         }

@@ -71,10 +71,10 @@ impl Default for RenderSettings {
 impl RenderSettings {
     /// Whether all numbers are in range.
     pub(crate) fn check(&self) -> Result<(), RenderError> {
-        check_range("samples along a pixel's side", self.samples, 1..=8)?;
-        check_range("exposure", self.exposure_ev, -100.0..=100.0)?;
-        check_range("cells of the ambient rest", self.ambient_cells, 6..=4096)?;
-        check_range("resolution of the radiance cache", self.radiance_cache_resolution, 16..=1024)?;
+        in_range("samples along a pixel's side", self.samples, 1..=8)?;
+        in_range("exposure", self.exposure_ev, -100.0..=100.0)?;
+        in_range("cells of the ambient rest", self.ambient_cells, 6..=4096)?;
+        in_range("resolution of the radiance cache", self.radiance_cache_resolution, 16..=1024)?;
         check_power_of_two("shadow map resolution", self.shadow_resolution, 16..=8192)?;
         check_power_of_two(
             "samples along the side of a tile of the shadow buffer",
@@ -84,13 +84,14 @@ impl RenderSettings {
     }
 }
 
-pub(crate) fn check_range<T: PartialOrd + std::fmt::Display>(
+/// Settings come from people: `value`, if it lies in `range`.
+pub(crate) fn in_range<T: PartialOrd + std::fmt::Display>(
     what: &'static str,
     value: T,
     range: std::ops::RangeInclusive<T>,
-) -> Result<(), RenderError> {
+) -> Result<T, RenderError> {
     if range.contains(&value) {
-        return Ok(());
+        return Ok(value);
     }
     let range = format!("{} to {}", range.start(), range.end());
     Err(RenderError::OutOfRange { what, range, value: value.to_string() })

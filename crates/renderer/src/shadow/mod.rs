@@ -14,6 +14,7 @@ mod pcss;
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
+use crate::settings::in_range;
 use crate::{Gpu, RenderError};
 
 pub use convolution::{ConvolutionSettings, Footprint, Prefilter};
@@ -139,19 +140,6 @@ const TECHNIQUES: &[&dyn ShadowTechnique] = &[
     &hard_linear::HardLinear,
     &none::None,
 ];
-
-/// Settings come from people: `value`, if it lies in `range`.
-fn in_range<T: PartialOrd + std::fmt::Display>(
-    what: &'static str,
-    value: T,
-    range: std::ops::RangeInclusive<T>,
-) -> Result<T, RenderError> {
-    if range.contains(&value) {
-        return Ok(value);
-    }
-    let range = format!("{} to {}", range.start(), range.end());
-    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
-}
 
 /// Name and one-line summary of every technique.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
