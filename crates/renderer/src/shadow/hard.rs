@@ -1,11 +1,7 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique, in_range};
-use crate::depth_maps::DepthMaps;
-use crate::{Gpu, RenderError};
-
-/// Projective shadow maps with a z-buffer test (Williams 1978; Heidrich 2001, section 2).
-pub(super) struct Hard;
+use super::{DepthMapTechnique, ShadowSettings, in_range};
+use crate::RenderError;
 
 /// Parameters of hard shadow maps.
 #[derive(Clone, Debug)]
@@ -22,36 +18,20 @@ impl Default for HardSettings {
     }
 }
 
-impl ShadowTechnique for Hard {
-    fn name(&self) -> &'static str {
-        "hard"
-    }
+/// Projective shadow maps with a z-buffer test (Williams 1978; Heidrich 2001, section 2).
+pub(super) static HARD: DepthMapTechnique = DepthMapTechnique {
+    name: "hard",
+    summary: "one z-buffer test from each light's centre",
+    module: "shadow_hard",
+    parameters,
+};
 
-    fn summary(&self) -> &'static str {
-        "one z-buffer test from each light's centre"
-    }
-
-    fn module(&self, _: &ShadowSettings) -> &'static str {
-        "shadow_hard"
-    }
-
-    fn needs_depth_maps(&self) -> bool {
-        true
-    }
-
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        let parameters = layout::HardParameters {
-            depth_bias: in_range("depth bias of hard shadows", settings.hard.depth_bias, 0.0..=1.0)?,
-            padding_0: 0.0,
-            padding_1: 0.0,
-            padding_2: 0.0,
-        };
-        let parameters = bytemuck::bytes_of(&parameters);
-        Ok(Box::new(DepthMapsOnly::with_parameters(gpu, "hard shadows", parameters, maps)))
-    }
+fn parameters(settings: &ShadowSettings, _: u32) -> Result<Vec<u8>, RenderError> {
+    let parameters = layout::HardParameters {
+        depth_bias: in_range("depth bias of hard shadows", settings.hard.depth_bias, 0.0..=1.0)?,
+        padding_0: 0.0,
+        padding_1: 0.0,
+        padding_2: 0.0,
+    };
+    Ok(bytemuck::bytes_of(&parameters).to_vec())
 }

@@ -78,6 +78,43 @@ pub(crate) trait ShadowResources: Send {
     fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32);
 }
 
+/// A technique that looks only at the depth maps themselves.
+struct DepthMapTechnique {
+    name: &'static str,
+    summary: &'static str,
+    module: &'static str,
+    /// Bytes of the module's uniform for maps of a resolution.
+    parameters: fn(&ShadowSettings, u32) -> Result<Vec<u8>, RenderError>,
+}
+
+impl ShadowTechnique for DepthMapTechnique {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn summary(&self) -> &'static str {
+        self.summary
+    }
+
+    fn module(&self, _: &ShadowSettings) -> &'static str {
+        self.module
+    }
+
+    fn needs_depth_maps(&self) -> bool {
+        true
+    }
+
+    fn resources(
+        &self,
+        gpu: &Gpu,
+        settings: &ShadowSettings,
+        maps: &DepthMaps,
+    ) -> Result<Box<dyn ShadowResources>, RenderError> {
+        let parameters = (self.parameters)(settings, maps.resolution)?;
+        Ok(Box::new(DepthMapsOnly::with_parameters(gpu, self.name, &parameters, maps)))
+    }
+}
+
 /// Bindings of a technique that makes no images of its own.
 struct DepthMapsOnly {
     layout: wgpu::BindGroupLayout,
@@ -133,11 +170,11 @@ impl ShadowResources for DepthMapsOnly {
 /// Every technique.
 const TECHNIQUES: &[&dyn ShadowTechnique] = &[
     &convolution::Convolution,
-    &pcss::Pcss,
+    &pcss::PCSS,
     &moments::Moments,
-    &pcf::Pcf,
-    &hard::Hard,
-    &hard_linear::HardLinear,
+    &pcf::PCF,
+    &hard::HARD,
+    &hard_linear::HARD_LINEAR,
     &none::None,
 ];
 

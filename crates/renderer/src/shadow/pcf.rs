@@ -1,11 +1,7 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique, in_range};
-use crate::depth_maps::DepthMaps;
-use crate::{Gpu, RenderError};
-
-/// Percentage-closer filtering (Reeves et al. 1987) over a disk of fixed size.
-pub(super) struct Pcf;
+use super::{DepthMapTechnique, ShadowSettings, in_range};
+use crate::RenderError;
 
 /// Parameters of percentage-closer filtering.
 #[derive(Clone, Debug)]
@@ -28,46 +24,26 @@ impl Default for PcfSettings {
     }
 }
 
-impl ShadowTechnique for Pcf {
-    fn name(&self) -> &'static str {
-        "pcf"
-    }
+/// Percentage-closer filtering (Reeves et al. 1987) over a disk of fixed size.
+pub(super) static PCF: DepthMapTechnique = DepthMapTechnique {
+    name: "pcf",
+    summary: "percentage-closer filtering with a fixed kernel (Reeves et al. 1987)",
+    module: "shadow_pcf",
+    parameters,
+};
 
-    fn summary(&self) -> &'static str {
-        "percentage-closer filtering with a fixed kernel (Reeves et al. 1987)"
-    }
-
-    fn module(&self, _: &ShadowSettings) -> &'static str {
-        "shadow_pcf"
-    }
-
-    fn needs_depth_maps(&self) -> bool {
-        true
-    }
-
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        let settings = &settings.pcf;
-        let radius = in_range("radius of percentage-closer filtering", settings.radius_texels, 0.0..=1024.0)?;
-        let parameters = layout::PcfParameters {
-            samples: in_range("samples of percentage-closer filtering", settings.samples, 1..=1024)?,
-            radius_uv: radius / maps.resolution as f32,
-            normal_offset_scale: in_range(
-                "normal offset of percentage-closer filtering",
-                settings.normal_offset_scale,
-                0.0..=10.0,
-            )?,
-            depth_bias: in_range(
-                "depth bias of percentage-closer filtering",
-                settings.depth_bias,
-                0.0..=1.0,
-            )?,
-        };
-        let parameters = bytemuck::bytes_of(&parameters);
-        Ok(Box::new(DepthMapsOnly::with_parameters(gpu, "percentage-closer filtering", parameters, maps)))
-    }
+fn parameters(settings: &ShadowSettings, resolution: u32) -> Result<Vec<u8>, RenderError> {
+    let settings = &settings.pcf;
+    let radius = in_range("radius of percentage-closer filtering", settings.radius_texels, 0.0..=1024.0)?;
+    let parameters = layout::PcfParameters {
+        samples: in_range("samples of percentage-closer filtering", settings.samples, 1..=1024)?,
+        radius_uv: radius / resolution as f32,
+        normal_offset_scale: in_range(
+            "normal offset of percentage-closer filtering",
+            settings.normal_offset_scale,
+            0.0..=10.0,
+        )?,
+        depth_bias: in_range("depth bias of percentage-closer filtering", settings.depth_bias, 0.0..=1.0)?,
+    };
+    Ok(bytemuck::bytes_of(&parameters).to_vec())
 }

@@ -1,11 +1,7 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapsOnly, ShadowResources, ShadowSettings, ShadowTechnique, in_range};
-use crate::depth_maps::DepthMaps;
-use crate::{Gpu, RenderError};
-
-/// Percentage-closer soft shadows (Fernando 2005).
-pub(super) struct Pcss;
+use super::{DepthMapTechnique, ShadowSettings, in_range};
+use crate::RenderError;
 
 /// Parameters of percentage-closer soft shadows.
 #[derive(Clone, Debug)]
@@ -36,45 +32,29 @@ impl Default for PcssSettings {
     }
 }
 
-impl ShadowTechnique for Pcss {
-    fn name(&self) -> &'static str {
-        "pcss"
-    }
+/// Percentage-closer soft shadows (Fernando 2005).
+pub(super) static PCSS: DepthMapTechnique = DepthMapTechnique {
+    name: "pcss",
+    summary: "percentage-closer soft shadows: blocker search, then a kernel of the penumbra's width (Fernando 2005)",
+    module: "shadow_pcss",
+    parameters,
+};
 
-    fn summary(&self) -> &'static str {
-        "percentage-closer soft shadows: blocker search, then a kernel of the penumbra's width (Fernando 2005)"
-    }
-
-    fn module(&self, _: &ShadowSettings) -> &'static str {
-        "shadow_pcss"
-    }
-
-    fn needs_depth_maps(&self) -> bool {
-        true
-    }
-
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        let settings = &settings.pcss;
-        let parameters = layout::PcssParameters {
-            search_samples: in_range("samples of the blocker search", settings.search_samples, 1..=1024)?,
-            filter_samples: in_range("samples of soft shadows", settings.filter_samples, 1..=1024)?,
-            normal_offset_scale: in_range(
-                "normal offset of soft shadows",
-                settings.normal_offset_scale,
-                0.0..=10.0,
-            )?,
-            depth_bias: in_range("depth bias of soft shadows", settings.depth_bias, 0.0..=1.0)?,
-            rotate_per_pixel: u32::from(settings.rotate_per_pixel),
-            padding_0: 0,
-            padding_1: 0,
-            padding_2: 0,
-        };
-        let parameters = bytemuck::bytes_of(&parameters);
-        Ok(Box::new(DepthMapsOnly::with_parameters(gpu, "percentage-closer soft shadows", parameters, maps)))
-    }
+fn parameters(settings: &ShadowSettings, _: u32) -> Result<Vec<u8>, RenderError> {
+    let settings = &settings.pcss;
+    let parameters = layout::PcssParameters {
+        search_samples: in_range("samples of the blocker search", settings.search_samples, 1..=1024)?,
+        filter_samples: in_range("samples of soft shadows", settings.filter_samples, 1..=1024)?,
+        normal_offset_scale: in_range(
+            "normal offset of soft shadows",
+            settings.normal_offset_scale,
+            0.0..=10.0,
+        )?,
+        depth_bias: in_range("depth bias of soft shadows", settings.depth_bias, 0.0..=1.0)?,
+        rotate_per_pixel: u32::from(settings.rotate_per_pixel),
+        padding_0: 0,
+        padding_1: 0,
+        padding_2: 0,
+    };
+    Ok(bytemuck::bytes_of(&parameters).to_vec())
 }
