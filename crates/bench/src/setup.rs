@@ -21,7 +21,7 @@ pub struct Setup<'a> {
 
 /// A renderer that has taken a setup over.
 pub struct TimedRenderer<'a> {
-    renderer: Renderer<'a>,
+    renderer: Renderer,
     setup: Setup<'a>,
 }
 

@@ -25,7 +25,7 @@ pub enum RenderError {
         /// Adapter name.
         adapter: String,
         /// What is missing.
-        feature: &'static str,
+        feature: String,
     },
     /// A setting names nothing that exists.
     #[error("unknown {what} `{name}`; choose one of: {choices}")]
@@ -75,6 +75,12 @@ pub enum RenderError {
     /// The GPU reported a fault while it worked.
     #[error("the graphics device failed: {0}")]
     Device(String),
+    /// The device is gone, as after a driver's reset: what was made with it is of no use any more.
+    #[error("the graphics device was lost ({reason}): open it anew")]
+    DeviceLost {
+        /// The driver's words.
+        reason: String,
+    },
     /// A shader could not be put together: a fault of this library.
     #[error(transparent)]
     Shader(#[from] gnomon_shaders::ShaderError),

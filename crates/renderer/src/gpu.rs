@@ -1,4 +1,4 @@
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 
@@ -31,17 +31,46 @@ pub struct AdapterSummary {
     pub max_shadow_maps: u32,
 }
 
-/// An open graphics device.
+/// An open graphics device. A clone is another handle to the same device.
+#[derive(Clone)]
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    pub(crate) compiled: Compiled,
-    summary: AdapterSummary,
-    fault: Arc<Mutex<Option<String>>>,
+    pub(crate) compiled: Arc<Compiled>,
+    summary: Arc<AdapterSummary>,
+    fault: Arc<Mutex<Option<Fault>>>,
+}
+
+/// What a device has reported.
+enum Fault {
+    Error(String),
+    Lost(String),
 }
 
 /// What every frame needs beyond WebGPU's core: the average blocker depth is filtered in 32 bits.
 const REQUIRED_FEATURES: wgpu::Features = wgpu::Features::FLOAT32_FILTERABLE;
+
+/// A limit that frames reach.
+struct RequiredLimit {
+    name: &'static str,
+    least: u64,
+    of: fn(&wgpu::Limits) -> u64,
+}
+
+const fn required_limit(name: &'static str, least: u64, of: fn(&wgpu::Limits) -> u64) -> RequiredLimit {
+    RequiredLimit { name, least, of }
+}
+
+/// All within WebGPU's defaults.
+const REQUIRED_LIMITS: [RequiredLimit; 7] = [
+    required_limit("bind groups", 4, |l| l.max_bind_groups as u64),
+    required_limit("storage textures a shader", 4, |l| l.max_storage_textures_per_shader_stage as u64),
+    required_limit("storage buffers a shader", 5, |l| l.max_storage_buffers_per_shader_stage as u64),
+    required_limit("sampled textures a shader", 12, |l| l.max_sampled_textures_per_shader_stage as u64),
+    required_limit("bytes of a uniform buffer", 1 << 16, |l| l.max_uniform_buffer_binding_size),
+    required_limit("colour attachments", 4, |l| l.max_color_attachments as u64),
+    required_limit("invocations of a workgroup", 256, |l| l.max_compute_invocations_per_workgroup as u64),
+];
 
 fn kind(device_type: wgpu::DeviceType) -> &'static str {
     match device_type {
@@ -69,7 +98,7 @@ fn summarise(adapter: &wgpu::Adapter) -> AdapterSummary {
     let info = adapter.get_info();
     let limits = adapter.limits();
     AdapterSummary {
-        usable: missing_feature(adapter).is_none(),
+        usable: lack(adapter, adapter.features(), &adapter.limits()).is_none(),
         kind: kind(info.device_type),
         backend: format!("{:?}", info.backend),
         driver: [info.driver, info.driver_info].join(" ").trim().to_owned(),
@@ -79,29 +108,34 @@ fn summarise(adapter: &wgpu::Adapter) -> AdapterSummary {
     }
 }
 
-fn missing_feature(adapter: &wgpu::Adapter) -> Option<&'static str> {
+/// What an adapter, or a device of it with these features and limits, lacks.
+fn lack(adapter: &wgpu::Adapter, features: wgpu::Features, limits: &wgpu::Limits) -> Option<String> {
     let flags = adapter.get_downlevel_capabilities().flags;
     if !flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS) {
-        Some("compute shaders")
-    } else if !adapter.features().contains(REQUIRED_FEATURES) {
-        Some("filtering of 32-bit float textures")
-    } else if adapter.limits().max_storage_textures_per_shader_stage < 4 {
-        Some("four storage textures a shader")
-    } else {
-        None
+        return Some("compute shaders".to_owned());
     }
+    if !features.contains(REQUIRED_FEATURES) {
+        return Some("filtering of 32-bit float textures (the feature FLOAT32_FILTERABLE)".to_owned());
+    }
+    let missed = REQUIRED_LIMITS.iter().find(|limit| (limit.of)(limits) < limit.least)?;
+    Some(format!("{} {} (the limit is {})", missed.least, missed.name, (missed.of)(limits)))
+}
+
+fn name(adapter: &wgpu::Adapter) -> String {
+    let info = adapter.get_info();
+    format!("{} ({:?})", info.name, info.backend)
 }
 
 fn adapters() -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
-    adapters
+    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
 }
 
 /// All adapters of this machine, best first.
 pub fn list_adapters() -> Vec<AdapterSummary> {
-    adapters().iter().map(summarise).collect()
+    let mut adapters = adapters();
+    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+    adapters.iter().map(summarise).collect()
 }
 
 impl Gpu {
@@ -110,67 +144,87 @@ impl Gpu {
     /// # Errors
     /// [`RenderError::NoAdapter`], [`RenderError::MissingFeature`], [`RenderError::NoDevice`].
     pub fn new(options: &GpuOptions) -> Result<Self, RenderError> {
-        let adapters = adapters();
-        let name = |adapter: &wgpu::Adapter| {
-            let info = adapter.get_info();
-            format!("{} ({:?})", info.name, info.backend)
-        };
-        let wanted = options.adapter.as_deref().map(str::to_lowercase);
-        let matching = adapters.iter().filter(|adapter| {
-            wanted.as_deref().is_none_or(|wanted| name(adapter).to_lowercase().contains(wanted))
-        });
-        // Among those that match, one that can draw; else report what the first one lacks.
-        let mut first_lack = None;
-        let mut chosen = None;
-        for adapter in matching {
-            match missing_feature(adapter) {
-                None => {
-                    chosen = Some(adapter);
-                    break;
-                }
-                Some(feature) => {
-                    first_lack.get_or_insert(RenderError::MissingFeature { adapter: name(adapter), feature });
-                }
-            }
+        let adapter = Self::choose_adapter(adapters(), options)?;
+        let request = adapter.request_device(&Self::device_descriptor(&adapter));
+        let (device, queue) = pollster::block_on(request)
+            .map_err(|error| RenderError::NoDevice { adapter: name(&adapter), reason: error.to_string() })?;
+        Self::from_wgpu(&adapter, device, queue)
+    }
+
+    /// Draws with a device that an embedding program has opened already, best by [`Gpu::device_descriptor`].
+    ///
+    /// The device's handlers of uncaptured errors and of its loss are replaced: what they would be told, the next call of a renderer
+    /// gives as an error.
+    ///
+    /// # Errors
+    /// [`RenderError::MissingFeature`] naming the feature or limit that the device lacks.
+    pub fn from_wgpu(
+        adapter: &wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Result<Self, RenderError> {
+        if let Some(feature) = lack(adapter, device.features(), &device.limits()) {
+            return Err(RenderError::MissingFeature { adapter: name(adapter), feature });
         }
-        let Some(adapter) = chosen else {
-            return Err(first_lack.unwrap_or_else(|| RenderError::NoAdapter {
-                wanted: options
-                    .adapter
-                    .as_ref()
-                    .map_or("at all".to_owned(), |name| format!("named `{name}`")),
-                found: match adapters.len() {
-                    0 => "none".to_owned(),
-                    _ => adapters.iter().map(name).collect::<Vec<_>>().join(", "),
-                },
+        let fault = Arc::new(Mutex::new(None));
+        let note_error = Arc::clone(&fault);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            let words = one_line(&error.to_string());
+            locked(&note_error).get_or_insert(Fault::Error(words));
+        }));
+        let note_loss = Arc::clone(&fault);
+        device.set_device_lost_callback(move |reason, message| {
+            *locked(&note_loss) = Some(Fault::Lost(match reason {
+                wgpu::DeviceLostReason::Destroyed => "it was destroyed".to_owned(),
+                _ => one_line(&message),
             }));
-        };
-        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+        });
+        Ok(Self { device, queue, compiled: Arc::default(), summary: Arc::new(summarise(adapter)), fault })
+    }
+
+    /// What a device needs so that everything the adapter can do is to be had: the features that frames need, and the
+    /// adapter's own limits.
+    pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+        wgpu::DeviceDescriptor {
             label: Some("gnomon"),
             required_features: REQUIRED_FEATURES,
             // More lights than WebGPU's 256 layers, and larger meshes than its 128 MiB bindings.
             required_limits: adapter.limits(),
             ..Default::default()
-        });
-        let (device, queue) = pollster::block_on(request)
-            .map_err(|error| RenderError::NoDevice { adapter: name(adapter), reason: error.to_string() })?;
-        let fault = Arc::new(Mutex::new(None));
-        let note = {
-            let fault = Arc::clone(&fault);
-            move |words: String| {
-                fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(words);
-            }
+        }
+    }
+
+    /// The best of `adapters` that `options` allows and that can draw.
+    ///
+    /// # Errors
+    /// [`RenderError::NoAdapter`], or [`RenderError::MissingFeature`] naming what the best one lacks.
+    pub fn choose_adapter(
+        mut adapters: Vec<wgpu::Adapter>,
+        options: &GpuOptions,
+    ) -> Result<wgpu::Adapter, RenderError> {
+        adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+        let found = match adapters.len() {
+            0 => "none".to_owned(),
+            _ => adapters.iter().map(name).collect::<Vec<_>>().join(", "),
         };
-        let note_error = note.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            note_error(one_line(&error.to_string()))
-        }));
-        device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                note(format!("device lost: {}", one_line(&message)));
+        let wanted = options.adapter.as_deref().map(str::to_lowercase);
+        let mut first_lack = None;
+        for adapter in adapters {
+            if wanted.as_deref().is_some_and(|wanted| !name(&adapter).to_lowercase().contains(wanted)) {
+                continue;
             }
-        });
-        Ok(Self { device, queue, compiled: Compiled::default(), summary: summarise(adapter), fault })
+            match lack(&adapter, adapter.features(), &adapter.limits()) {
+                None => return Ok(adapter),
+                Some(feature) => {
+                    let adapter = name(&adapter);
+                    first_lack.get_or_insert(RenderError::MissingFeature { adapter, feature });
+                }
+            }
+        }
+        Err(first_lack.unwrap_or_else(|| RenderError::NoAdapter {
+            wanted: options.adapter.as_ref().map_or("at all".to_owned(), |name| format!("named `{name}`")),
+            found,
+        }))
     }
 
     /// The adapter in use.
@@ -185,19 +239,27 @@ impl Gpu {
 
     /// Waits until the GPU has done everything submitted so far.
     pub(crate) fn wait(&self) -> Result<(), RenderError> {
-        self.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|e| RenderError::Device(e.to_string()))?;
-        self.check()
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        // A lost device explains a failed wait better than the wait's own words.
+        self.check()?;
+        polled.map(|_| ()).map_err(|error| RenderError::Device(error.to_string()))
     }
 
     /// The first fault that the device has reported, if any; it stays until the device is opened anew.
-    pub(crate) fn check(&self) -> Result<(), RenderError> {
-        match &*self.fault.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(words) => Err(RenderError::Device(words.clone())),
+    ///
+    /// # Errors
+    /// [`RenderError::DeviceLost`] where nothing can be drawn with this device any more, [`RenderError::Device`] for any other fault.
+    pub fn check(&self) -> Result<(), RenderError> {
+        match &*locked(&self.fault) {
+            Some(Fault::Error(words)) => Err(RenderError::Device(words.clone())),
+            Some(Fault::Lost(reason)) => Err(RenderError::DeviceLost { reason: reason.clone() }),
             None => Ok(()),
         }
     }
+}
+
+fn locked(fault: &Mutex<Option<Fault>>) -> MutexGuard<'_, Option<Fault>> {
+    fault.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn one_line(text: &str) -> String {

@@ -22,6 +22,7 @@ mod lighting;
 pub mod lod;
 mod materials;
 mod near_light_frame;
+mod present;
 mod radiance_cache;
 mod readback;
 mod recorder;
@@ -38,6 +39,9 @@ pub mod unshadowed;
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions, list_adapters};
+pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Frame, Renderer};
 pub use settings::RenderSettings;
+/// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
+pub use wgpu;

@@ -38,8 +38,8 @@ pub struct Frame {
 }
 
 /// Draws a scene under an environment. Everything that depends on geometry happens in every frame.
-pub struct Renderer<'gpu> {
-    gpu: &'gpu Gpu,
+pub struct Renderer {
+    gpu: Gpu,
     settings: RenderSettings,
     technique: &'static dyn ShadowTechnique,
     ambient: &'static Ambient,
@@ -95,12 +95,12 @@ struct Target {
 /// Samples of a lobe for every texel of the radiance cache.
 const CACHE_SAMPLES: u32 = 128;
 
-impl<'gpu> Renderer<'gpu> {
+impl Renderer {
     /// A renderer of an empty scene without light.
     ///
     /// # Errors
     /// A setting names nothing or is out of range, or the device failed.
-    pub fn new(gpu: &'gpu Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
         settings.check()?;
         let technique = shadow::by_name(&settings.shadows)?;
         let ambient = ambient::by_name(&settings.ambient)?;
@@ -127,7 +127,7 @@ impl<'gpu> Renderer<'gpu> {
         );
         let view_group = passes.gbuffer.view_group(gpu, &view);
         let renderer = Self {
-            gpu,
+            gpu: gpu.clone(),
             technique,
             ambient,
             compositing,
@@ -153,8 +153,8 @@ impl<'gpu> Renderer<'gpu> {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold it.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        self.geometry = Geometry::new(self.gpu, &self.passes.transform, scene)?;
-        self.materials = Materials::new(self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+        self.geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
+        self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.bounds = scene.bounds();
         self.cache_lobes(scene);
         self.set_near_lights(scene)?;
@@ -167,7 +167,7 @@ impl<'gpu> Renderer<'gpu> {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn move_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        if !self.geometry.move_instances(self.gpu, scene) {
+        if !self.geometry.move_instances(&self.gpu, scene) {
             return self.set_scene(scene);
         }
         self.bounds = scene.bounds();
@@ -192,7 +192,7 @@ impl<'gpu> Renderer<'gpu> {
     /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
     pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
         let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
-        self.light_up(Lighting::new(self.gpu, map, ambient)?)?;
+        self.light_up(Lighting::new(&self.gpu, map, ambient)?)?;
         self.gpu.check()
     }
 
@@ -213,13 +213,13 @@ impl<'gpu> Renderer<'gpu> {
             self.target = None;
         }
         self.settings = settings;
-        self.light_up(lit.lighting.with_lights(self.gpu, ambient))?;
+        self.light_up(lit.lighting.with_lights(&self.gpu, ambient))?;
         self.gpu.check()
     }
 
     /// Makes what depends on the lights: those of the environment and then the scene's own.
     fn light_up(&mut self, lighting: Lighting) -> Result<(), RenderError> {
-        let gpu = self.gpu;
+        let gpu = &self.gpu;
         let (technique, passes) = (self.technique, &self.passes);
         let batches = ShadowBatches::new(
             gpu,
@@ -243,7 +243,7 @@ impl<'gpu> Renderer<'gpu> {
     }
 
     fn environment_groups(&self, lighting: &Lighting) -> EnvironmentGroups {
-        let (gpu, passes) = (self.gpu, &self.passes);
+        let (gpu, passes) = (&self.gpu, &self.passes);
         EnvironmentGroups {
             compose: passes.compose.environment_group(gpu, &self.view, lighting, &self.cache),
             cache: passes.cache.group(gpu, &self.cache, &lighting.background),
@@ -283,7 +283,23 @@ impl<'gpu> Renderer<'gpu> {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
-        let gpu = self.gpu;
+        let timings = self.submit(camera, width, height)?;
+        self.gpu.wait()?;
+        Ok(timings)
+    }
+
+    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`].
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; faults of the device may come only with a later call.
+    pub fn submit(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<PassTiming>, RenderError> {
+        let gpu = &self.gpu;
+        gpu.check()?;
         let largest = gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
         in_range("picture width", width, 1..=largest)?;
         in_range("picture height", height, 1..=largest)?;
@@ -333,9 +349,21 @@ impl<'gpu> Renderer<'gpu> {
             self.settings.tone_mapping,
         );
         recorder.end_pass("resolve")?;
-        let timings = recorder.finish()?;
-        gpu.wait()?;
-        Ok(timings)
+        recorder.finish()
+    }
+
+    /// The picture that was drawn last, exposed, tone-mapped and sRGB-encoded, as it lies on the GPU; `None` before the first.
+    ///
+    /// The view's format is `Rgba8Unorm`: sampling it gives encoded values, which is what egui wants and what a target without
+    /// sRGB in its format takes as they are. An sRGB target encodes once more: decode first, as [`crate::Presenter`] does.
+    /// Another picture size makes another texture.
+    pub fn display_view(&self) -> Option<wgpu::TextureView> {
+        self.target.as_ref().map(|target| target.output.display.create_view(&Default::default()))
+    }
+
+    /// The device that the renderer draws with.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
     }
 
     fn write_uniforms(&self, lit: &Lit, camera: &Camera, [width, height]: [u32; 2]) {
@@ -357,13 +385,13 @@ impl<'gpu> Renderer<'gpu> {
             full_sh: lit.lighting.full_sh,
         };
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        self.cache.write(self.gpu, camera.world_from_camera.z_axis.truncate().normalize());
+        self.cache.write(&self.gpu, camera.world_from_camera.z_axis.truncate().normalize());
         let offset = self.settings.normal_offset_texels;
-        lit.batches.write_lights(self.gpu, &lit.lighting, &self.near_lights, &self.geometry.boxes, offset);
+        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, &self.geometry.boxes, offset);
     }
 
     fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
-        let gpu = self.gpu;
+        let gpu = &self.gpu;
         let sample_size = size.map(|side| side * self.settings.samples);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
         let [width, height] = sample_size;

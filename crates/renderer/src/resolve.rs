@@ -42,7 +42,9 @@ impl ResolvePass {
 
     /// Textures for pictures of `size` pixels, made from `samples`.
     pub fn output(&self, gpu: &Gpu, samples: &wgpu::TextureView, size: [u32; 2]) -> Output {
-        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let usage = wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::TEXTURE_BINDING;
         let [width, height] = size;
         let radiance = gpu.texture("radiance", [width, height, 1], 1, RADIANCE_FORMAT, usage);
         let display = gpu.texture("display", [width, height, 1], 1, DISPLAY_FORMAT, usage);

@@ -85,7 +85,7 @@ fn real_frames_settle_at_the_budget_also_with_twice_the_lamps_and_replay_exactly
     let least = lights("partition", &map, range.least.lights);
     renderer.set_lighting(&map, &least).unwrap();
     renderer.set_level_of_detail(range.least, &least).unwrap();
-    let draw = |renderer: &mut Renderer<'_>| {
+    let draw = |renderer: &mut Renderer| {
         FrameTimes::from_passes(&renderer.draw(&scene.cameras[0], SIZE[0], SIZE[1]).unwrap())
     };
     let warm: Vec<f64> = (0..6).map(|_| draw(&mut renderer).total()).collect();

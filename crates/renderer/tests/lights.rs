@@ -54,7 +54,7 @@ fn settings(shadows: &str) -> RenderSettings {
 }
 
 /// No environment, no scene yet.
-fn unlit_renderer<'gpu>(gpu: &'gpu Gpu, shadows: &str) -> Renderer<'gpu> {
+fn unlit_renderer(gpu: &Gpu, shadows: &str) -> Renderer {
     let mut renderer = Renderer::new(gpu, settings(shadows)).unwrap();
     renderer.set_lighting(&no_light(), &dark_set()).unwrap();
     renderer
@@ -110,7 +110,7 @@ fn irradiance_on_the_open_plane_has_its_closed_form() {
 /// Visibility along x on the ground, 1 m in all, under an occluder over x < `edge` at `height` and a light 2 m up. `renderers` draw
 /// shadows and none.
 fn penumbra_profile(
-    [shadowed, open]: [&mut Renderer<'_>; 2],
+    [shadowed, open]: [&mut Renderer; 2],
     shape: AreaLightShape,
     edge: f32,
     height: f32,
@@ -119,7 +119,7 @@ fn penumbra_profile(
     let mut scene =
         scene_of(vec![horizontal(Vec2::splat(-2.0), Vec2::splat(2.0), 0.0), occluder], lambert(1.0));
     add_light(&mut scene, shape, facing_down(Vec3::Y * 2.0));
-    let row = |renderer: &mut Renderer<'_>| {
+    let row = |renderer: &mut Renderer| {
         renderer.set_scene(&scene).unwrap();
         let image = renderer.render(&downward(0.5 * height, 0.5), 400, 5).unwrap().radiance;
         // Looking down, the camera has world -x to its right.

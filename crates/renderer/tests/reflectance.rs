@@ -70,7 +70,7 @@ fn settings() -> RenderSettings {
     }
 }
 
-fn renderer<'gpu>(gpu: &'gpu Gpu, scene: &Scene) -> Renderer<'gpu> {
+fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
     let mut renderer = Renderer::new(gpu, settings()).unwrap();
     renderer.set_scene(scene).unwrap();
     renderer.set_lighting(&no_light(), &lights()).unwrap();
@@ -111,7 +111,7 @@ fn models_under_area_lights_are_the_ray_tracers() {
 }
 
 /// With the environment itself, whose unshadowed light depends on the materials too.
-fn edited_renderer<'gpu>(gpu: &'gpu Gpu, scene: &Scene) -> Renderer<'gpu> {
+fn edited_renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
     let settings = RenderSettings { compositing: "ratio".to_owned(), ..settings() };
     let mut renderer = Renderer::new(gpu, settings).unwrap();
     renderer.set_lighting(&constant_map(Vec3::new(0.3, 0.2, 0.1)), &lights()).unwrap();

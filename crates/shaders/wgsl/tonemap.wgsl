@@ -20,3 +20,9 @@ fn srgb_encode(linear: f32) -> f32 {
     let x = clamp(linear, 0.0, 1.0);
     return select(1.055 * pow(x, 1.0 / 2.4) - 0.055, 12.92 * x, x <= 0.0031308);
 }
+
+// Its inverse.
+fn srgb_decode(encoded: f32) -> f32 {
+    let x = clamp(encoded, 0.0, 1.0);
+    return select(pow((x + 0.055) / 1.055, 2.4), x / 12.92, x <= 0.04045);
+}

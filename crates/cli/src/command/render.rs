@@ -253,7 +253,7 @@ pub struct Drawn {
 pub fn draw(args: &GpuArgs, inputs: &Inputs, lights: &LightSet, timed: bool) -> Result<Drawn, CliError> {
     let gpu = Gpu::new(&GpuOptions { adapter: args.adapter.clone() })?;
     let settings = settings(args, inputs.exposure);
-    let renderer = |profile| -> Result<Renderer<'_>, CliError> {
+    let renderer = |profile| -> Result<Renderer, CliError> {
         let mut renderer = Renderer::new(&gpu, RenderSettings { profile, ..settings.clone() })?;
         renderer.set_scene(&inputs.scene)?;
         renderer.set_lighting(&inputs.environment, lights)?;
@@ -288,11 +288,7 @@ fn timed_frames<T>(mut draw: impl FnMut() -> Result<T, CliError>) -> Result<Vec<
 }
 
 /// Median time of a whole frame, from its first command until the device is idle.
-fn frame_milliseconds(
-    renderer: &mut Renderer<'_>,
-    camera: &Camera,
-    inputs: &Inputs,
-) -> Result<f64, CliError> {
+fn frame_milliseconds(renderer: &mut Renderer, camera: &Camera, inputs: &Inputs) -> Result<f64, CliError> {
     let times = timed_frames(|| {
         let start = Instant::now();
         renderer.draw(camera, inputs.width, inputs.height)?;
@@ -303,7 +299,7 @@ fn frame_milliseconds(
 
 /// Median time of every pass of a profiling renderer, after one frame that compiles its pipelines.
 fn pass_timings(
-    renderer: &mut Renderer<'_>,
+    renderer: &mut Renderer,
     camera: &Camera,
     inputs: &Inputs,
 ) -> Result<Vec<PassTiming>, CliError> {

@@ -7,7 +7,7 @@ use crate::RenderError;
 use crate::materials::Materials;
 use crate::radiance_cache::RadianceCache;
 
-impl Renderer<'_> {
+impl Renderer {
     /// Takes new material parameters of the scene that was set last, reflectance models among them, without an upload of its meshes or
     /// textures: for editing while running. A scene with other meshes, or meshes of other materials, is taken over whole.
     ///
@@ -17,8 +17,8 @@ impl Renderer<'_> {
         if !self.geometry.has_materials_of(scene) {
             return self.set_scene(scene);
         }
-        if !self.materials.rewrite(self.gpu, scene) {
-            self.materials = Materials::new(self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+        if !self.materials.rewrite(&self.gpu, scene) {
+            self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         }
         self.cache_lobes(scene);
         self.gpu.check()
@@ -32,7 +32,7 @@ impl Renderer<'_> {
             return;
         }
         let resolution = self.settings.radiance_cache_resolution;
-        self.cache = RadianceCache::new(self.gpu, lobes, resolution, CACHE_SAMPLES);
+        self.cache = RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES);
         if let Some(mut lit) = self.lighting.take() {
             lit.environment = self.environment_groups(&lit.lighting);
             self.lighting = Some(lit);

@@ -1,0 +1,150 @@
+//! A device that an embedding program brings along: shared, shown in a window, too weak, lost.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{constant_map, gpu_or_skip, no_light, one_disk, scene_of, sphere};
+use glam::Vec3;
+use gnomon_renderer::wgpu::{self, TextureFormat, TextureUsages};
+use gnomon_renderer::{Gpu, GpuOptions, Presenter, RenderError, RenderSettings, Renderer};
+use gnomon_scene::{Camera, Material};
+
+const SIZE: u32 = 32;
+
+fn adapter() -> Option<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    match Gpu::choose_adapter(adapters, &GpuOptions::default()) {
+        Ok(adapter) => Some(adapter),
+        Err(error) => {
+            gnomon_testing::skip(&error.to_string());
+            None
+        }
+    }
+}
+
+fn open(
+    adapter: &wgpu::Adapter,
+    descriptor: &wgpu::DeviceDescriptor<'_>,
+) -> (wgpu::Device, Result<Gpu, RenderError>) {
+    let (device, queue) = pollster::block_on(adapter.request_device(descriptor)).unwrap();
+    (device.clone(), Gpu::from_wgpu(adapter, device, queue))
+}
+
+fn camera() -> Camera {
+    Camera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8)
+}
+
+fn lit_renderer(gpu: &Gpu) -> Renderer {
+    let mut renderer = Renderer::new(gpu, RenderSettings { samples: 1, ..Default::default() }).unwrap();
+    renderer.set_scene(&scene_of(vec![sphere()], Material::default())).unwrap();
+    renderer.set_lighting(&constant_map(Vec3::ONE), &one_disk(Vec3::Y, 0.4)).unwrap();
+    renderer
+}
+
+/// Reads a target of 8-bit texels back with the embedding program's own means.
+fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Vec<u8> {
+    let bytes_per_row = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(bytes_per_row * SIZE),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(bytes_per_row),
+        rows_per_image: Some(SIZE),
+    };
+    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let padded = buffer.get_mapped_range(..).unwrap().to_vec();
+    padded.chunks(bytes_per_row as usize).flat_map(|row| &row[..4 * SIZE as usize]).copied().collect()
+}
+
+#[test]
+fn a_window_shows_the_displayed_picture_whatever_its_format_encodes() {
+    let Some(adapter) = adapter() else { return };
+    let (device, queue) =
+        pollster::block_on(adapter.request_device(&Gpu::device_descriptor(&adapter))).unwrap();
+    let gpu = Gpu::from_wgpu(&adapter, device.clone(), queue.clone()).unwrap();
+    let mut renderer = lit_renderer(&gpu);
+    assert!(renderer.display_view().is_none());
+    let display = renderer.render(&camera(), SIZE, SIZE).unwrap().display;
+    assert!(renderer.display_view().is_some());
+    for format in [TextureFormat::Rgba8Unorm, TextureFormat::Rgba8UnormSrgb] {
+        let window = device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let presenter = Presenter::new(&gpu, format).unwrap();
+        presenter.draw(&renderer, &window.create_view(&Default::default())).unwrap();
+        let shown = read_back(&device, &queue, &window);
+        let far = shown.iter().zip(display.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(far <= Some(1), "{format:?}: off by {far:?} of 255");
+    }
+}
+
+#[test]
+fn a_device_that_is_too_weak_is_refused_by_name() {
+    let Some(adapter) = adapter() else { return };
+    let plain = wgpu::DeviceDescriptor::default();
+    let (_, gpu) = open(&adapter, &plain);
+    let Err(error @ RenderError::MissingFeature { .. }) = gpu else { panic!("no feature was missed") };
+    assert!(error.to_string().contains("FLOAT32_FILTERABLE"), "{error}");
+
+    let mut narrow = Gpu::device_descriptor(&adapter);
+    narrow.required_limits.max_storage_textures_per_shader_stage = 2;
+    let (_, gpu) = open(&adapter, &narrow);
+    let Err(error @ RenderError::MissingFeature { .. }) = gpu else { panic!("no limit was missed") };
+    assert!(error.to_string().contains("4 storage textures"), "{error}");
+}
+
+#[test]
+fn a_lost_device_is_an_error_in_every_call_and_a_new_one_draws_again() {
+    let Some(adapter) = adapter() else { return };
+    let scene = scene_of(vec![sphere()], Material::default());
+    let (device, gpu) = open(&adapter, &Gpu::device_descriptor(&adapter));
+    let gpu = gpu.unwrap();
+    let mut renderer = lit_renderer(&gpu);
+    let before = renderer.render(&camera(), SIZE, SIZE).unwrap().display;
+
+    device.destroy();
+    #[track_caller]
+    fn lost<T>(result: Result<T, RenderError>) {
+        let Err(error) = result else { panic!("the loss went unseen") };
+        assert!(matches!(error, RenderError::DeviceLost { .. }), "{error}");
+    }
+    lost(renderer.render(&camera(), SIZE, SIZE));
+    lost(renderer.draw(&camera(), SIZE, SIZE));
+    lost(renderer.submit(&camera(), 2 * SIZE, SIZE));
+    lost(renderer.set_scene(&scene));
+    lost(renderer.set_materials(&scene));
+    lost(renderer.set_lighting(&no_light(), &one_disk(Vec3::Y, 0.2)));
+    lost(Renderer::new(&gpu, RenderSettings::default()));
+    lost(Presenter::new(&gpu, TextureFormat::Rgba8Unorm));
+    lost(gpu.check());
+
+    let Some(gpu) = gpu_or_skip() else { return };
+    assert_eq!(lit_renderer(&gpu).render(&camera(), SIZE, SIZE).unwrap().display, before);
+}
+
+#[test]
+fn a_renderer_outlives_the_handle_it_was_made_with_and_shares_the_device() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let clone = gpu.clone();
+    let mut renderer = lit_renderer(&gpu);
+    drop(gpu);
+    renderer.draw(&camera(), SIZE, SIZE).unwrap();
+    assert_eq!(clone.adapter().name, renderer.gpu().adapter().name);
+}
