@@ -120,7 +120,7 @@ impl DistantLight {
 
     /// How far the unit direction `w` lies outside the outline [rad]; negative inside. For a rectangle outside, the
     /// distance to the farthest of the four edges' great circles: a lower bound near corners.
-    pub(crate) fn signed_angle(&self, w: Vec3) -> f32 {
+    pub fn signed_angle(&self, w: Vec3) -> f32 {
         match self.shape {
             LightShape::Disk { angular_radius } => {
                 w.cross(self.direction).length().atan2(w.dot(self.direction)) - angular_radius

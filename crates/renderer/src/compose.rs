@@ -36,6 +36,11 @@ impl ComposePass {
         Ok(Self { environment_layout, output_layout, pipeline })
     }
 
+    /// Layout of bind group 3.
+    pub fn output_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.output_layout
+    }
+
     /// Bind group 0.
     pub fn environment_group(
         &self,

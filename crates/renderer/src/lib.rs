@@ -11,6 +11,7 @@ mod bounds;
 mod camera;
 mod compose;
 pub mod composite;
+pub mod debug_view;
 mod depth_maps;
 mod error;
 mod gbuffer;

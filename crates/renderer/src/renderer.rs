@@ -1,5 +1,6 @@
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
+use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::LightSet;
 use gnomon_scene::{Bounds, Camera, PlacedLight, Scene};
 use gnomon_shaders::layout;
@@ -25,6 +26,8 @@ use crate::shadow_batches::ShadowBatches;
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
+mod debug;
+mod display;
 mod materials;
 
 /// One finished picture.
@@ -53,6 +56,7 @@ pub struct Renderer {
     cache: RadianceCache,
     lighting: Option<Lit>,
     target: Option<Target>,
+    debug: Option<debug::Debug>,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
 }
@@ -141,6 +145,7 @@ impl Renderer {
             near_lights: Vec::new(),
             lighting: None,
             target: None,
+            debug: None,
             view,
             view_group,
         };
@@ -239,6 +244,7 @@ impl Renderer {
         let frame_groups = batches.frame_groups(gpu, &passes.frame_layout, &self.view);
         let environment = self.environment_groups(&lighting);
         self.lighting = Some(Lit { lighting, batches, frame_groups, light, environment });
+        self.bind_debug_view();
         Ok(())
     }
 
@@ -335,35 +341,22 @@ impl Renderer {
             gbuffer_group,
             &target.points,
         )?;
-        self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
-        recorder.end_pass("radiance cache")?;
-        let groups =
-            [&lit.environment.compose, gbuffer_group, &target.points.compose_group, &target.sample_group];
-        self.passes.compose.encode(&mut recorder, groups, sample_size);
-        recorder.end_pass("compose")?;
-        self.passes.resolve.encode(
-            &mut recorder,
-            &target.output,
-            samples,
-            self.settings.exposure_ev,
-            self.settings.tone_mapping,
-        );
+        let (mut exposure, mut tone_mapping) = (self.settings.exposure_ev, self.settings.tone_mapping);
+        if let Some(debug) = &self.debug {
+            self.encode_debug_view(&mut recorder, debug, (lit, target), camera, sample_size);
+            recorder.end_pass("debug view")?;
+            (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
+        } else {
+            self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
+            recorder.end_pass("radiance cache")?;
+            let groups =
+                [&lit.environment.compose, gbuffer_group, &target.points.compose_group, &target.sample_group];
+            self.passes.compose.encode(&mut recorder, groups, sample_size);
+            recorder.end_pass("compose")?;
+        }
+        self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
         recorder.end_pass("resolve")?;
         recorder.finish()
-    }
-
-    /// The picture that was drawn last, exposed, tone-mapped and sRGB-encoded, as it lies on the GPU; `None` before the first.
-    ///
-    /// The view's format is `Rgba8Unorm`: sampling it gives encoded values, which is what egui wants and what a target without
-    /// sRGB in its format takes as they are. An sRGB target encodes once more: decode first, as [`crate::Presenter`] does.
-    /// Another picture size makes another texture.
-    pub fn display_view(&self) -> Option<wgpu::TextureView> {
-        self.target.as_ref().map(|target| target.output.display.create_view(&Default::default()))
-    }
-
-    /// The device that the renderer draws with.
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
     }
 
     fn write_uniforms(&self, lit: &Lit, camera: &Camera, [width, height]: [u32; 2]) {
@@ -387,7 +380,9 @@ impl Renderer {
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         self.cache.write(&self.gpu, camera.world_from_camera.z_axis.truncate().normalize());
         let offset = self.settings.normal_offset_texels;
-        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, &self.geometry.boxes, offset);
+        let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
+        let boxes = &self.geometry.boxes;
+        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, boxes, offset, only);
     }
 
     fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {

@@ -145,7 +145,42 @@ impl ShadowBatches {
         self.batches.iter().map(|batch| light_pass::frame_group(gpu, layout, view, batch)).collect()
     }
 
-    /// Fits every light's map around the scene as it stands in this frame.
+    /// Number of lights.
+    pub fn light_count(&self) -> usize {
+        self.sizes().sum::<u32>() as usize
+    }
+
+    /// Number of lights in every batch.
+    pub fn sizes(&self) -> impl Iterator<Item = u32> {
+        self.batches.iter().map(|batch| batch.members.len() as u32)
+    }
+
+    /// Batch of a light of the frame's list, and its place there.
+    pub fn place_of(&self, light: usize) -> Option<(usize, u32)> {
+        let place = |batch: &Batch| batch.members.iter().position(|&member| member == light);
+        self.batches.iter().enumerate().find_map(|(i, batch)| Some((i, place(batch)? as u32)))
+    }
+
+    /// [`layout::Light`]s and depth maps of every batch.
+    pub fn lights_and_maps(&self) -> impl Iterator<Item = (&wgpu::Buffer, &DepthMaps)> {
+        self.batches.iter().map(|batch| (&batch.lights, &self.classes[batch.class].depth_maps))
+    }
+
+    /// Sums all lights of every batch, or only one of the frame's list.
+    pub fn sum_only(&self, gpu: &Gpu, only: Option<usize>) {
+        let only = only.map(|light| self.place_of(light));
+        for (i, batch) in self.batches.iter().enumerate() {
+            let (first, end) = match only {
+                None => (0, batch.members.len() as u32),
+                Some(Some((chosen, light))) if chosen == i => (light, light + 1),
+                Some(_) => (0, 0),
+            };
+            let parameters = Batch::parameters(first, end, i == 0);
+            gpu.queue.write_buffer(&batch.parameters, 0, bytemuck::bytes_of(&parameters));
+        }
+    }
+
+    /// Fits every light's map around the scene as it stands in this frame. The light `only` counts as a probe, which tells its visibility.
     pub fn write_lights(
         &self,
         gpu: &Gpu,
@@ -153,6 +188,7 @@ impl ShadowBatches {
         near_lights: &[PlacedLight],
         boxes: &[InstanceBox],
         normal_offset_texels: f32,
+        only: Option<usize>,
     ) {
         let all: Vec<Member<'_>> = members(lighting, near_lights).collect();
         for batch in &self.batches {
@@ -164,6 +200,11 @@ impl ShadowBatches {
                         layout::Light { role, ..uniform }
                     }
                     Member::Near(light) => near_light_uniform(light, boxes, resolution, normal_offset_texels),
+                })
+                .zip(&batch.members)
+                .map(|(light, place)| match only {
+                    Some(only) if only == *place => layout::Light { role: layout::ROLE_PROBE, ..light },
+                    _ => light,
                 })
                 .collect();
             gpu.queue.write_buffer(&batch.lights, 0, bytemuck::cast_slice(&lights));
@@ -209,15 +250,15 @@ impl Batch {
             size_of::<layout::Light>() as u64 * u64::from(layout::MAX_BATCH_LIGHTS),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
-        let parameters = layout::Batch {
-            light_count: members.len() as u32,
-            flags: if first { layout::FLAG_FIRST } else { 0 },
-            padding_0: 0,
-            padding_1: 0,
-        };
+        let parameters = Self::parameters(0, members.len() as u32, first);
         let parameters =
             gpu.buffer_with("batch", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
         let lights_group = pass.lights_group(gpu, &lights);
         Self { class, members, perspective, lights, parameters, lights_group }
+    }
+
+    fn parameters(first_light: u32, end_light: u32, first: bool) -> layout::Batch {
+        let flags = if first { layout::FLAG_FIRST } else { 0 };
+        layout::Batch { first_light, end_light, flags, padding_0: 0 }
     }
 }

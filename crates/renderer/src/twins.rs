@@ -1,7 +1,8 @@
 //! Shader functions against their Rust twins over random inputs, on whatever adapter there is.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
+use gnomon_lights::{DistantLight, LightShape};
 use gnomon_shaders::twin::{depth_moments, hemisphere, math, resample, sample_pattern, series};
 
 use crate::bindings::Binding;
@@ -376,6 +377,28 @@ fn tone_mapping() {
         let mapped = gnomon_image::tonemap::tone_map_neutral(a.truncate());
         mapped.extend(gnomon_image::tonemap::srgb_encode(a.w / 8.0))
     });
+}
+
+#[test]
+fn angles_to_outlines() {
+    let direction = |u: Vec4, v| [unit_vector(u).extend(0.01 + u.w), unit_vector(v).extend(0.0)];
+    compare("outline_angle", "vec4f(disk_signed_angle(b.xyz, a.xyz, a.w))", 1e-4, direction, |[a, b]| {
+        let light = DistantLight::disk(a.truncate().as_dvec3(), f64::from(a.w), DVec3::ONE);
+        Vec4::splat(light.signed_angle(b.truncate()))
+    });
+    let front = [DVec3::X, DVec3::Y, DVec3::NEG_Z];
+    let light = DistantLight::rectangle(front, DVec2::new(-0.6, 0.1), DVec2::new(0.4, 0.9), DVec3::ONE);
+    let LightShape::Rectangle { corners } = light.shape else { panic!("not a rectangle") };
+    let corners = corners.map(|c| format!("vec4f({}, {}, {}, 0.0)", c.x, c.y, c.z)).join(", ");
+    // Drivers approximate asin.
+    let body = format!("vec4f(rectangle_signed_angle(a.xyz, array({corners})))");
+    compare(
+        "outline_angle",
+        &body,
+        5e-4,
+        |u, _| [unit_vector(u).extend(0.0), Vec4::ZERO],
+        |[a, _]| Vec4::splat(light.signed_angle(a.truncate())),
+    );
 }
 
 #[test]

@@ -78,10 +78,10 @@ pub struct Light {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Batch {
-    pub light_count: u32,
+    pub first_light: u32,
+    pub end_light: u32,
     pub flags: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
 }
 
 #[repr(C)]
@@ -242,4 +242,19 @@ pub struct ResolveParameters {
     pub exposure: f32,
     pub tone_mapping: u32,
     pub padding: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct DebugParameters {
+    pub view: u32,
+    pub light: u32,
+    pub has_light: u32,
+    pub has_maps: u32,
+    pub to_viewer: [f32; 3],
+    pub lights_before: u32,
+    pub least_depth: f32,
+    pub depth_range: f32,
+    pub exposure: f32,
+    pub light_count: u32,
 }

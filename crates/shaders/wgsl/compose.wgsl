@@ -3,66 +3,15 @@
 #import brdf_reflectance
 #import cached_radiance
 #import sh
-#import shadow_buffer
+#import light_sums
 #import slot:composite
 
 // Radiance of every sample: unshadowed light, what the lights' sums make of it, emission; or the environment itself.
-
-@group(2) @binding(0) var<storage, read> points: array<ShadingPoint>;
-@group(2) @binding(1) var<storage, read> point_of_tile: array<u32>;
-@group(2) @binding(2) var<storage, read> point_of_sample: array<u32>;
-@group(2) @binding(3) var<storage, read> light_sums: array<LightSums>;
 
 @group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
 
 const FLAG_BACKGROUND: u32 = 1u;
 const FLAG_SPHERICAL_HARMONICS: u32 = 2u;
-
-fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
-    (*sums).diffuse_unshadowed += weight * more.diffuse_unshadowed;
-    (*sums).probed += weight * more.probed;
-    (*sums).diffuse_shadowed += weight * more.diffuse_shadowed;
-    (*sums).probed_open += weight * more.probed_open;
-    (*sums).specular_unshadowed += weight * more.specular_unshadowed;
-    (*sums).specular_shadowed += weight * more.specular_shadowed;
-    (*sums).diffuse_near += weight * more.diffuse_near;
-    (*sums).specular_near += weight * more.specular_near;
-}
-
-// The sums of a sample: its own, or the mean of those of the tiles around it.
-fn sums_at(sample: vec2u, surface: Surface) -> LightSums {
-    let tiles = (view.size + view.shadow_sampling - 1u) / view.shadow_sampling;
-    let center = vec2i(sample / view.shadow_sampling);
-    var sums: LightSums;
-    if view.shadow_sampling == 1u {
-        let point = point_of_tile[sample.y * tiles.x + sample.x];
-        if point != NO_POINT {
-            sums = light_sums[point];
-        }
-        return sums;
-    }
-    let own = point_of_sample[sample.y * view.size.x + sample.x];
-    if own != NO_POINT {
-        return light_sums[own];
-    }
-    var weights = 0.0;
-    for (var i = 0; i < 9; i++) {
-        let tile = center + vec2i(i % 3, i / 3) - 1;
-        if all(tile >= vec2i(0)) && all(tile < vec2i(tiles)) {
-            let point = point_of_tile[u32(tile.y) * tiles.x + u32(tile.x)];
-            if point != NO_POINT {
-                let weight = point_weight(points[point], sample, surface.position_world, surface.n);
-                add_weighted(&sums, weight, light_sums[point]);
-                weights += weight;
-            }
-        }
-    }
-    var mean: LightSums;
-    if weights > 0.0 {
-        add_weighted(&mean, 1.0 / weights, sums);
-    }
-    return mean;
-}
 
 // Irradiance of the whole environment, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {
@@ -87,7 +36,7 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
     }
     let surface = surface_at(id.xy, depth);
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
-    let sums = sums_at(id.xy, surface);
+    let sums = sums_at(id.xy, surface.position_world, surface.n);
 
     // Of the ambient rest, what the probes see.
     let open = select(1.0, sums.probed_open / sums.probed, sums.probed > 0.0);

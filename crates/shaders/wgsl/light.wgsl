@@ -27,7 +27,7 @@ fn light(
     if (batch.flags & FLAG_FIRST) == 0u {
         sums = light_sums[point];
     }
-    for (var light = 0u; light < batch.light_count; light++) {
+    for (var light = batch.first_light; light < batch.end_light; light++) {
         let form_factor = light_form_factor(light, surface.position_world, surface.n);
         if form_factor <= 0.0 {
             continue;

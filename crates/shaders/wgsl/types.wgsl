@@ -82,11 +82,12 @@ const MAX_BATCH_LIGHTS: u32 = 160u;
 
 // A batch of lights whose maps are held together.
 struct Batch {
-    light_count: u32,
+    // Lights from the first that is summed to the one after the last.
+    first_light: u32,
+    end_light: u32,
     // Bit 0: the first of the frame.
     flags: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 const FLAG_FIRST: u32 = 1u;
@@ -284,4 +285,26 @@ struct ResolveParameters {
     // 0 clip, 1 Khronos PBR Neutral.
     tone_mapping: u32,
     padding: u32,
+}
+
+// What a debug view shows, and how.
+struct DebugParameters {
+    // One of the VIEW constants of `debug_view.wgsl`.
+    view: u32,
+    // The light shown, within its batch, and whether it is of this batch.
+    light: u32,
+    has_light: u32,
+    // Whether depth maps are drawn at all.
+    has_maps: u32,
+    // Direction to the viewer, along which depth is measured.
+    to_viewer: vec3f,
+    // Lights of the batches before.
+    lights_before: u32,
+    // Of what is seen [m].
+    least_depth: f32,
+    depth_range: f32,
+    // Factor that puts the environment's mean luminance at 0.5.
+    exposure: f32,
+    // Of this batch.
+    light_count: u32,
 }

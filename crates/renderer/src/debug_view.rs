@@ -1,0 +1,140 @@
+//! What a frame is made of, shown in place of its picture. To add a view: an entry in [`DEBUG_VIEWS`] and a case in `debug_view.wgsl`.
+
+use gnomon_shaders::layout;
+
+use crate::bindings::{Binding, D2_ARRAY};
+use crate::depth_maps::DepthMaps;
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+/// Something to be shown in place of the picture.
+#[derive(Debug, PartialEq, Eq)]
+pub struct DebugView {
+    /// Name for people and files.
+    pub name: &'static str,
+    /// One line for help texts.
+    pub summary: &'static str,
+    /// Whether it is about one light, which can be chosen.
+    pub of_light: bool,
+    /// A VIEW constant of `debug_view.wgsl`.
+    code: u32,
+}
+
+const fn view(name: &'static str, summary: &'static str, of_light: bool, code: u32) -> DebugView {
+    DebugView { name, summary, of_light, code }
+}
+
+/// Every view; the first is the picture itself.
+pub const DEBUG_VIEWS: &[DebugView] = &[
+    view("final", "the picture", false, 0),
+    view("normals", "shading normals: x, y, z from -1 to 1 as red, green, blue", false, 1),
+    view("depth", "distance along the view: nearer is lighter", false, 2),
+    view("base-color", "base colour of the materials, without light", false, 3),
+    view("shadow-buffer", "share of the lights' irradiance that arrives", false, 4),
+    view("visibility", "share of one light that is seen; blue where it is below the horizon", true, 5),
+    view("shadow-map", "one light's shadow map: nearer is lighter, blue is empty", true, 6),
+    view("lights", "the lights on the environment map; the chosen one is white", true, 7),
+    view("points", "where lights are summed: white for a tile, red for a sample of its own", false, 8),
+];
+
+/// The view called `name`; `None` for the picture itself.
+///
+/// # Errors
+/// [`RenderError::UnknownName`] lists the names there are.
+pub(crate) fn by_name(name: &str) -> Result<Option<&'static DebugView>, RenderError> {
+    let found =
+        DEBUG_VIEWS.iter().find(|view| view.name == name).ok_or_else(|| RenderError::UnknownName {
+            what: "debug view",
+            name: name.to_owned(),
+            choices: DEBUG_VIEWS.iter().map(|view| view.name).collect::<Vec<_>>().join(", "),
+        })?;
+    Ok((found.code != 0).then_some(found))
+}
+
+impl DebugView {
+    /// Whether only the chosen light is summed.
+    pub(crate) fn sums_one_light(&self) -> bool {
+        self.name == "visibility"
+    }
+
+    /// Whether the lights of all batches are drawn, rather than the chosen one's.
+    pub(crate) fn draws_all_lights(&self) -> bool {
+        self.name == "lights"
+    }
+
+    /// What the shader is told, but for what depends on batch and camera.
+    pub(crate) fn parameters(&self) -> layout::DebugParameters {
+        layout::DebugParameters { view: self.code, ..bytemuck::Zeroable::zeroed() }
+    }
+}
+
+/// Draws one of the views in place of composing.
+pub(crate) struct DebugPass {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+}
+
+/// Bind group 0 of a batch.
+pub(crate) struct DebugGroup {
+    pub parameters: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl DebugPass {
+    /// `layouts` are those of bind groups 1 to 3.
+    pub fn new(gpu: &Gpu, layouts: [&wgpu::BindGroupLayout; 3]) -> Result<Self, RenderError> {
+        let bindings = [
+            (0, Binding::Uniform),
+            (1, Binding::Uniform),
+            (2, Binding::LOADED),
+            (3, Binding::Depth { dimension: D2_ARRAY }),
+            (4, Binding::Uniform),
+        ];
+        let layout = gpu.layout("debug view", wgpu::ShaderStages::COMPUTE, &bindings);
+        let [gbuffer, sums, output] = layouts;
+        let groups = [Some(&layout), Some(gbuffer), Some(sums), Some(output)];
+        let pipeline = gpu.compute_pipeline(&gpu.shader("debug_view", &[])?, "debug_view", &groups);
+        Ok(Self { layout, pipeline })
+    }
+
+    /// For a batch with these lights and maps.
+    pub fn group(
+        &self,
+        gpu: &Gpu,
+        view: &wgpu::Buffer,
+        background: &wgpu::TextureView,
+        lights: &wgpu::Buffer,
+        maps: &DepthMaps,
+    ) -> DebugGroup {
+        let size = size_of::<layout::DebugParameters>() as u64;
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let parameters = gpu.empty_buffer("debug view", size, usage);
+        let resources = [
+            (0, view.as_entire_binding()),
+            (1, parameters.as_entire_binding()),
+            (2, wgpu::BindingResource::TextureView(background)),
+            (3, wgpu::BindingResource::TextureView(&maps.array)),
+            (4, lights.as_entire_binding()),
+        ];
+        DebugGroup { group: gpu.bind_group("debug view", &self.layout, &resources), parameters }
+    }
+
+    /// `groups` are bind groups 1 to 3. Batches are drawn one over the other.
+    pub fn encode<'a>(
+        &self,
+        recorder: &mut Recorder<'_>,
+        batches: impl Iterator<Item = &'a DebugGroup>,
+        groups: [&wgpu::BindGroup; 3],
+        [width, height]: [u32; 2],
+    ) {
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        for (i, group) in (1..).zip(groups) {
+            pass.set_bind_group(i, group, &[]);
+        }
+        for batch in batches {
+            pass.set_bind_group(0, &batch.group, &[]);
+            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Debug views of a live renderer.
+
+use gnomon_image::tonemap::exposure_scale;
+use gnomon_scene::{Bounds, Camera};
+
+use super::{Lit, Renderer, Target};
+use crate::debug_view::{self, DebugGroup, DebugPass, DebugView};
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+/// A view in force.
+pub(super) struct Debug {
+    view: &'static DebugView,
+    light: usize,
+    pass: DebugPass,
+    /// One for every batch of lights.
+    groups: Vec<DebugGroup>,
+}
+
+impl Debug {
+    /// The light of the frame's list that alone is summed.
+    pub fn only_light(&self, lit: &Lit) -> Option<usize> {
+        self.view.sums_one_light().then(|| self.light_of(lit)).flatten()
+    }
+
+    /// The chosen light, or the last one where there are fewer.
+    fn light_of(&self, lit: &Lit) -> Option<usize> {
+        lit.batches.light_count().checked_sub(1).map(|last| self.light.min(last))
+    }
+}
+
+impl Renderer {
+    /// Shows one of [`crate::debug_view::DEBUG_VIEWS`] in place of the picture, from the next frame on; `"final"` is the picture. A view of
+    /// one light shows the one numbered `light`, from 0 in the order of the light fit, followed by those of the ambient rest and of the
+    /// scene ([`Renderer::light_count`] in all); a number past the last shows the last. [`crate::Frame::radiance`] then holds the
+    /// view's values before sRGB encoding.
+    ///
+    /// # Errors
+    /// [`RenderError::UnknownName`]; the view is then what it was.
+    pub fn set_debug_view(&mut self, name: &str, light: usize) -> Result<(), RenderError> {
+        self.debug = match debug_view::by_name(name)? {
+            None => None,
+            Some(view) => {
+                let (gpu, passes) = (&self.gpu, &self.passes);
+                let layouts = [
+                    &passes.gbuffer.read_layout,
+                    &passes.points.compose_layout,
+                    passes.compose.output_layout(),
+                ];
+                Some(Debug { view, light, pass: DebugPass::new(gpu, layouts)?, groups: Vec::new() })
+            }
+        };
+        self.bind_debug_view();
+        self.gpu.check()
+    }
+
+    /// Number of lights that a frame sums: of the environment, its ambient rest and the scene.
+    pub fn light_count(&self) -> usize {
+        self.lighting.as_ref().map_or(0, |lit| lit.batches.light_count())
+    }
+
+    /// Makes what a debug view needs of the lights.
+    pub(super) fn bind_debug_view(&mut self) {
+        let Some(lit) = &self.lighting else { return };
+        let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
+        lit.batches.sum_only(&self.gpu, only);
+        let Some(debug) = &mut self.debug else { return };
+        let group =
+            |(lights, maps)| debug.pass.group(&self.gpu, &self.view, &lit.lighting.background, lights, maps);
+        debug.groups = lit.batches.lights_and_maps().map(group).collect();
+    }
+
+    /// Draws the view into the samples of `target`.
+    pub(super) fn encode_debug_view(
+        &self,
+        recorder: &mut Recorder<'_>,
+        debug: &Debug,
+        (lit, target): (&Lit, &Target),
+        camera: &Camera,
+        sample_size: [u32; 2],
+    ) {
+        let chosen = debug.light_of(lit).and_then(|light| lit.batches.place_of(light));
+        let [least, range] = depth_range(camera, self.bounds);
+        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+        let mut lights_before = 0;
+        for (i, (group, light_count)) in debug.groups.iter().zip(lit.batches.sizes()).enumerate() {
+            let light = chosen.and_then(|(batch, light)| (batch == i).then_some(light));
+            let parameters = gnomon_shaders::layout::DebugParameters {
+                light: light.unwrap_or(0),
+                has_light: light.is_some().into(),
+                has_maps: self.technique.needs_depth_maps().into(),
+                to_viewer: to_viewer.to_array(),
+                lights_before,
+                least_depth: least,
+                depth_range: range,
+                exposure: exposure_scale(self.settings.exposure_ev),
+                light_count,
+                ..debug.view.parameters()
+            };
+            write(&self.gpu, group, &parameters);
+            lights_before += light_count;
+        }
+        let shown = match debug.view.draws_all_lights() {
+            true => 0..debug.groups.len(),
+            false => {
+                let batch = chosen.map_or(0, |(batch, _)| batch);
+                batch..batch + 1
+            }
+        };
+        let groups = [&target.gbuffer.group, &target.points.compose_group, &target.sample_group];
+        let batches = debug.groups.iter().skip(shown.start).take(shown.len());
+        debug.pass.encode(recorder, batches, groups, sample_size);
+    }
+}
+
+fn write(gpu: &Gpu, group: &DebugGroup, parameters: &gnomon_shaders::layout::DebugParameters) {
+    gpu.queue.write_buffer(&group.parameters, 0, bytemuck::bytes_of(parameters));
+}
+
+/// Least depth of what can be seen, and the range of depths, measured along the direction that the camera looks [m].
+fn depth_range(camera: &Camera, bounds: Option<Bounds>) -> [f32; 2] {
+    let Some(bounds) = bounds else { return [0.0, 1.0] };
+    let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+    let (center, reach) =
+        (-bounds.center().dot(to_viewer), (0.5 * (bounds.max - bounds.min)).dot(to_viewer.abs()));
+    // What lies behind the camera is not seen.
+    let least = (center - reach).max(-camera.eye().dot(to_viewer));
+    [least, (center + reach - least).max(1e-6)]
+}
