@@ -159,3 +159,10 @@ pub const AREA_LOBE_POINT_LIGHT: f32 = 0.01;
 /// Every reflectance model on a sphere under area lights of 1 to 9 degrees, GPU against ray tracer: RMS of the difference over that
 /// of the picture: what [`AREA_LOBE_MEDIUM_LIGHT`] leaves where lobe and disk are equally wide, and 2 % of noise. Found: 0.01 to 0.09.
 pub const GPU_REFLECTANCE: f64 = 0.12;
+
+/// Vertices of animated models against an independent evaluation of their files: distance over the model's size. Found: 5e-6.
+pub const POSE_ERROR: f32 = 1e-4;
+
+/// Vertices that the GPU deforms against those that the CPU deforms: distance over the scene's size, and the length of the
+/// difference of unit normals and tangents. Both are single precision.
+pub const GPU_POSE_ERROR: f32 = 2e-5;

@@ -1,5 +1,5 @@
 use glam::{Mat3, Vec3, Vec3A};
-use gnomon_scene::{AlphaMode, MeshId, Scene, normal_matrix};
+use gnomon_scene::{AlphaMode, MeshId, Scene, WorldVertices, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -12,7 +12,7 @@ use crate::{Ray, ReferenceError};
 /// Most placed triangles: the BVH has twice as many nodes and numbers them in 32 bits.
 const MAX_TRIANGLES: usize = 1 << 30;
 
-/// The world-space triangles of a scene in a BVH.
+/// The world-space triangles of a scene's current pose in a BVH.
 ///
 /// The binary BVH of `obvhs` rather than its wide one: that one ignores hits nearer than 0.1 mm and has a stack of fixed depth.
 pub(crate) struct TracedScene<'a> {
@@ -26,10 +26,12 @@ pub(crate) struct TracedScene<'a> {
 /// A placed mesh.
 struct Instance {
     mesh: MeshId,
-    /// Takes normals to world space, up to their length.
+    /// Takes normals of [`Scene::surface_at`], or of deformed vertices, to world space, up to their length.
     normal_from_mesh: Mat3,
     /// Has an alpha mask.
     has_holes: bool,
+    /// Its vertices, where a skin or morph targets move them.
+    deformed: Option<WorldVertices>,
 }
 
 #[derive(Clone, Copy)]
@@ -79,17 +81,17 @@ impl<'a> TracedScene<'a> {
         }
         let mut instances = Vec::new();
         let mut triangles = Vec::with_capacity(count);
-        for (mesh, world_from_mesh) in scene.instances() {
+        let pose = scene.pose();
+        for placed in scene.instances() {
             let instance = instances.len() as u32;
-            instances.push(Instance {
-                mesh,
-                normal_from_mesh: normal_matrix(&world_from_mesh),
-                has_holes: scene.material(mesh).alpha_mode != AlphaMode::Opaque,
-            });
-            let mesh = &scene.meshes[mesh.0];
+            let world_from_mesh = placed.world_from_mesh;
+            let deformed = scene.is_deformable(&placed).then(|| scene.world_vertices(&pose, &placed));
+            let mesh = &scene.meshes[placed.mesh.0];
             for (index, triangle) in mesh.triangles.iter().enumerate() {
-                let corners = triangle
-                    .map(|vertex| world_from_mesh.transform_point3a(mesh.positions[vertex as usize].into()));
+                let corners = triangle.map(|vertex| match &deformed {
+                    Some(vertices) => vertices.positions[vertex as usize].into(),
+                    None => world_from_mesh.transform_point3a(mesh.positions[vertex as usize].into()),
+                });
                 let [a, b, c] = corners;
                 let doubled_area = (b - a).cross(c - a).length();
                 // A triangle without area meets no ray, and one that is not finite would spoil the boxes above it.
@@ -97,6 +99,16 @@ impl<'a> TracedScene<'a> {
                     triangles.push(Triangle { corners, instance, index: index as u32 });
                 }
             }
+            instances.push(Instance {
+                mesh: placed.mesh,
+                normal_from_mesh: if deformed.is_some() {
+                    Mat3::IDENTITY
+                } else {
+                    normal_matrix(&world_from_mesh)
+                },
+                has_holes: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
+                deformed,
+            });
         }
         let (bvh, triangles) = build(triangles);
         Ok(Self { scene, instances, bvh, triangles })
@@ -126,7 +138,11 @@ impl<'a> TracedScene<'a> {
     pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint {
         let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
-        let point = self.scene.surface_at(instance.mesh, triangle.index as usize, hit.barycentrics);
+        let index = triangle.index as usize;
+        let point = match &instance.deformed {
+            Some(vertices) => self.scene.surface_in_world(instance.mesh, vertices, index, hit.barycentrics),
+            None => self.scene.surface_at(instance.mesh, index, hit.barycentrics),
+        };
         let [a, b, c] = triangle.corners;
         let geometric_normal = towards(wo, Vec3::from((b - a).cross(c - a).normalize_or(Vec3A::Y)));
         let shading_normal =
@@ -242,19 +258,13 @@ const TRAVERSAL_COST: f32 = 3.0;
 
 #[cfg(test)]
 mod tests {
-    use glam::Affine3A;
     use gnomon_scene::{Mesh, Node};
 
     use super::*;
     use crate::sampler::{Decision, Sequence};
 
     fn scene(mesh: Mesh) -> Scene {
-        let node = Node {
-            name: String::new(),
-            parent: None,
-            parent_from_node: Affine3A::IDENTITY,
-            meshes: vec![MeshId(0)],
-        };
+        let node = Node { meshes: vec![MeshId(0)], ..Node::default() };
         Scene { meshes: vec![mesh], nodes: vec![node], ..Scene::default() }
     }
 

@@ -1,9 +1,10 @@
-use glam::{Affine3A, Mat4};
-use gnomon_scene::{MaterialId, MeshId, Scene, normal_matrix};
+use glam::Vec3;
+use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, Pose, Scene, SkinId};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
 use crate::bounds::{InstanceBox, mesh_boxes};
+use crate::deformation::{DeformableBoxes, PoseData, Records};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -33,18 +34,46 @@ pub(crate) struct Geometry {
     pub indices: wgpu::Buffer,
     pub ranges: Vec<DrawRange>,
     pub index_count: u32,
+    /// Around what casts and receives shadows. Those of deformed instances are conservative.
     pub boxes: Vec<InstanceBox>,
     vertex_count: u32,
     instances: wgpu::Buffer,
-    /// Mesh and material of every instance.
-    placed: Vec<(MeshId, Option<MaterialId>)>,
+    joints: wgpu::Buffer,
+    weights: wgpu::Buffer,
+    placed: Vec<Kept>,
+    /// Of each deformable instance, where its box is among `boxes`.
+    deformable: Vec<(usize, DeformableBoxes)>,
     bind_group: wgpu::BindGroup,
 }
+
+/// What of an instance a new pose keeps.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Kept {
+    mesh: MeshId,
+    material: Option<MaterialId>,
+    skin: Option<SkinId>,
+    targets: usize,
+}
+
+impl Kept {
+    fn new(scene: &Scene, instance: &Instance) -> Self {
+        let mesh = &scene.meshes[instance.mesh.0];
+        Self {
+            mesh: instance.mesh,
+            material: mesh.material,
+            skin: instance.skin,
+            targets: mesh.targets.len(),
+        }
+    }
+}
+
+/// No box reaches farther [m]: squares of coordinates stay finite.
+const FARTHEST: f32 = 1e15;
 
 impl Geometry {
     pub fn new(gpu: &Gpu, transform: &TransformPass, scene: &Scene) -> Result<Self, RenderError> {
         let placed = by_material(scene);
-        let total: usize = placed.iter().map(|(mesh, _)| scene.meshes[mesh.0].positions.len()).sum();
+        let total: usize = placed.iter().map(|i| scene.meshes[i.mesh.0].positions.len()).sum();
         let limits = gpu.device.limits();
         let vertex_bytes = size_of::<layout::MeshVertex>() as u64;
         let largest = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -57,7 +86,7 @@ impl Geometry {
         if total as u64 > (largest / vertex_bytes).min(u64::from(u32::MAX)) {
             return Err(over("vertices", total as u64, largest / vertex_bytes));
         }
-        let triangles: u64 = placed.iter().map(|(mesh, _)| scene.meshes[mesh.0].triangles.len() as u64).sum();
+        let triangles: u64 = placed.iter().map(|i| scene.meshes[i.mesh.0].triangles.len() as u64).sum();
         let most_triangles = (limits.max_buffer_size / 12).min(u64::from(u32::MAX) / 3);
         if triangles > most_triangles {
             return Err(over("triangles", triangles, most_triangles));
@@ -68,8 +97,19 @@ impl Geometry {
         let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles as usize);
         let mut ranges: Vec<DrawRange> = Vec::new();
         let mut boxes = Vec::with_capacity(placed.len());
-        for (instance, (id, world_from_mesh)) in placed.iter().enumerate() {
-            let mesh = &scene.meshes[id.0];
+        let mut records = Records::new();
+        let mut deformable = Vec::new();
+        for (instance, placement) in placed.iter().enumerate() {
+            let mesh = &scene.meshes[placement.mesh.0];
+            let most_words = largest / 4;
+            let vertex_records = records.of(placement.mesh, mesh).unwrap_or_default().to_vec();
+            if records.words.len() as u64 > most_words.min(u64::from(u32::MAX)) {
+                return Err(over(
+                    "words of joints and morph targets",
+                    records.words.len() as u64,
+                    most_words,
+                ));
+            }
             let first_vertex = vertices.len() as u32;
             let first_index = indices.len() as u32;
             for (i, position) in mesh.positions.iter().enumerate() {
@@ -81,7 +121,7 @@ impl Geometry {
                     normal: mesh.normals.get(i).copied().unwrap_or_default().to_array(),
                     tangent_sign: tangent.w,
                     tangent: tangent.truncate().to_array(),
-                    padding: 0.0,
+                    record: vertex_records.get(i).copied().unwrap_or(0),
                 });
                 attributes.push(StaticAttributes {
                     uvs: [uv(0).x, uv(0).y, uv(1).x, uv(1).y],
@@ -95,19 +135,34 @@ impl Geometry {
                 Some(range) if range.material == material => range.indices.end = end,
                 _ => ranges.push(DrawRange { material, indices: first_index..end }),
             }
-            let world_from_mesh = *world_from_mesh;
-            boxes.extend(mesh_boxes(mesh).into_iter().map(|(min, max)| InstanceBox {
-                min,
-                max,
-                instance,
-                world_from_mesh,
-            }));
+            let world_from_mesh = placement.world_from_mesh;
+            let new_box = |min, max| InstanceBox { min, max, instance, world_from_mesh };
+            if scene.is_deformable(placement) {
+                // Its place is known once the pose is.
+                if !mesh.triangles.is_empty() {
+                    deformable.push((boxes.len(), DeformableBoxes::new(mesh, placement.skin.is_some())));
+                    boxes.push(new_box(Vec3::ZERO, Vec3::ZERO));
+                }
+            } else {
+                boxes.extend(mesh_boxes(mesh).into_iter().map(|(min, max)| new_box(min, max)));
+            }
+        }
+        let pose = scene.pose();
+        let data = PoseData::new(scene, &pose, &placed);
+        let joint_bytes = size_of_val(data.joints.as_slice()) as u64;
+        if joint_bytes > largest {
+            return Err(over("joints", data.joints.len() as u64, largest / 64));
+        }
+        if data.weights.len() as u64 > largest / 4 {
+            return Err(over("morph weights", data.weights.len() as u64, largest / 4));
         }
 
         let storage = wgpu::BufferUsages::STORAGE;
         let mesh_vertices = gpu.buffer_with("mesh vertices", bytemuck::cast_slice(&vertices), storage);
-        let instances =
-            gpu.buffer_with("instances", &instance_bytes(placed.iter().map(|(_, w)| *w)), storage);
+        let instances = gpu.buffer_with("instances", bytemuck::cast_slice(&data.instances), storage);
+        let joints = gpu.buffer_with("joints", bytemuck::cast_slice(&data.joints), storage);
+        let weights = gpu.buffer_with("morph weights", bytemuck::cast_slice(&data.weights), storage);
+        let records = gpu.buffer_with("deformation records", bytemuck::cast_slice(&records.words), storage);
         let world = |label| gpu.empty_buffer(label, 16 * total as u64, storage | wgpu::BufferUsages::VERTEX);
         let (positions_world, normals_world, tangents_world) =
             (world("positions_world"), world("normals_world"), world("tangents_world"));
@@ -120,9 +175,12 @@ impl Geometry {
                 (2, positions_world.as_entire_binding()),
                 (3, normals_world.as_entire_binding()),
                 (4, tangents_world.as_entire_binding()),
+                (5, records.as_entire_binding()),
+                (6, joints.as_entire_binding()),
+                (7, weights.as_entire_binding()),
             ],
         );
-        Ok(Self {
+        let mut geometry = Self {
             positions_world,
             normals_world,
             tangents_world,
@@ -137,51 +195,82 @@ impl Geometry {
             boxes,
             vertex_count: total as u32,
             instances,
-            placed: placed.iter().map(|(mesh, _)| (*mesh, scene.meshes[mesh.0].material)).collect(),
+            joints,
+            weights,
+            placed: placed.iter().map(|instance| Kept::new(scene, instance)).collect(),
+            deformable,
             bind_group,
-        })
+        };
+        geometry.move_boxes(scene, &pose, &placed)?;
+        Ok(geometry)
     }
 
-    /// Whether these are the instances of the scene's that were uploaded, each with the material it had.
-    fn is_of(&self, scene: &Scene, placed: &[(MeshId, Affine3A)]) -> bool {
-        let now = placed.iter().map(|(mesh, _)| (*mesh, scene.meshes[mesh.0].material));
-        now.eq(self.placed.iter().copied())
+    /// Whether the scene places the same meshes, each with the material and skin that it had.
+    pub fn is_of(&self, scene: &Scene) -> bool {
+        self.holds(scene, &by_material(scene))
     }
 
-    /// Whether the scene places the same meshes, each with the material that it had.
-    pub fn has_materials_of(&self, scene: &Scene) -> bool {
-        self.is_of(scene, &by_material(scene))
+    fn holds(&self, scene: &Scene, placed: &[Instance]) -> bool {
+        placed.iter().map(|instance| Kept::new(scene, instance)).eq(self.placed.iter().copied())
     }
 
-    /// Takes over new placements of the same scene, for the next frame. Boxes follow.
-    pub fn move_instances(&mut self, gpu: &Gpu, scene: &Scene) -> bool {
+    /// Takes over a new pose of the same scene, for the next frame; `false` where it is another scene. Boxes follow.
+    pub fn take_pose(&mut self, gpu: &Gpu, scene: &Scene) -> Result<bool, RenderError> {
         let placed = by_material(scene);
-        if !self.is_of(scene, &placed) {
-            return false;
+        let pose = scene.pose();
+        let data = PoseData::new(scene, &pose, &placed);
+        let joint_bytes: &[u8] = bytemuck::cast_slice(&data.joints);
+        if !self.holds(scene, &placed) || joint_bytes.len() as u64 != self.joints.size() {
+            return Ok(false);
         }
-        gpu.queue.write_buffer(&self.instances, 0, &instance_bytes(placed.iter().map(|(_, w)| *w)));
+        self.move_boxes(scene, &pose, &placed)?;
+        gpu.queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&data.instances));
+        gpu.queue.write_buffer(&self.joints, 0, joint_bytes);
+        gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&data.weights));
+        Ok(true)
+    }
+
+    fn move_boxes(&mut self, scene: &Scene, pose: &Pose, placed: &[Instance]) -> Result<(), RenderError> {
         for place in &mut self.boxes {
-            place.world_from_mesh = placed[place.instance].1;
+            place.world_from_mesh = placed[place.instance].world_from_mesh;
         }
-        true
+        for (index, deformable) in &self.deformable {
+            let Some(place) = self.boxes.get_mut(*index) else { continue };
+            let instance = &placed[place.instance];
+            let joints = instance.skin.map(|skin| pose.world_from_bind[skin.0].as_slice());
+            let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
+            if let Some(((min, max), world_from_mesh)) = around {
+                *place = InstanceBox { min, max, instance: place.instance, world_from_mesh };
+            }
+        }
+        // False for NaN.
+        let near = |corner: Vec3| corner.abs().max_element() <= FARTHEST && corner.is_finite();
+        if self.boxes.iter().flat_map(InstanceBox::corners).all(near) {
+            Ok(())
+        } else {
+            Err(RenderError::OutOfRange {
+                what: "the distance of a vertex from the origin",
+                range: format!("at most {FARTHEST:.0e} m"),
+                value: "more".to_owned(),
+            })
+        }
+    }
+
+    /// Around all boxes; `None` without geometry.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let corners = self.boxes.iter().flat_map(InstanceBox::corners);
+        corners.fold(None, |bounds: Option<Bounds>, p| {
+            let b = bounds.unwrap_or(Bounds { min: p, max: p });
+            Some(Bounds { min: b.min.min(p), max: b.max.max(p) })
+        })
     }
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.
-fn by_material(scene: &Scene) -> Vec<(MeshId, Affine3A)> {
+fn by_material(scene: &Scene) -> Vec<Instance> {
     let mut placed = scene.instances();
-    placed.sort_by_key(|(mesh, _)| scene.meshes[mesh.0].material.map(|material| material.0));
+    placed.sort_by_key(|instance| scene.meshes[instance.mesh.0].material.map(|material| material.0));
     placed
-}
-
-fn instance_bytes(placements: impl Iterator<Item = Affine3A>) -> Vec<u8> {
-    let instances: Vec<layout::Instance> = placements
-        .map(|world_from_mesh| layout::Instance {
-            world_from_mesh: Mat4::from(world_from_mesh).to_cols_array_2d(),
-            normal_from_mesh: Mat4::from_mat3(normal_matrix(&world_from_mesh)).to_cols_array_2d(),
-        })
-        .collect();
-    bytemuck::cast_slice(&instances).to_vec()
 }
 
 /// Brings every vertex to world space, every frame.
@@ -197,7 +286,7 @@ impl TransformPass {
         let layout = gpu.layout(
             "transform",
             wgpu::ShaderStages::COMPUTE,
-            &[(0, read), (1, read), (2, write), (3, write), (4, write)],
+            &[(0, read), (1, read), (2, write), (3, write), (4, write), (5, read), (6, read), (7, read)],
         );
         let pipeline = gpu.compute_pipeline(&gpu.shader("transform", &[])?, "transform", &[Some(&layout)]);
         Ok(Self { layout, pipeline })

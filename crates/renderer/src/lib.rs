@@ -12,6 +12,7 @@ mod camera;
 mod compose;
 pub mod composite;
 pub mod debug_view;
+mod deformation;
 mod depth_maps;
 mod error;
 mod gbuffer;

@@ -160,22 +160,25 @@ impl Renderer {
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
         self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
-        self.bounds = scene.bounds();
+        self.bounds = self.geometry.bounds();
         self.cache_lobes(scene);
         self.set_near_lights(scene)?;
         self.gpu.check()
     }
 
-    /// Takes new node transforms of the scene that was set last, without an upload of its meshes. A scene with other meshes is
-    /// taken over whole.
+    /// Takes a new pose of the scene that was set last (node transforms, joints, morph weights) without an upload of its meshes.
+    /// A scene with other meshes is taken over whole.
+    ///
+    /// Vertices move on the GPU. What the CPU needs of a deformed mesh, the place of its shadow maps, follows from boxes around
+    /// each joint's vertices: it may be larger than the mesh, and its shadows somewhat coarser than those of a rigid one.
     ///
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn move_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        if !self.geometry.move_instances(&self.gpu, scene) {
+        if !self.geometry.take_pose(&self.gpu, scene)? {
             return self.set_scene(scene);
         }
-        self.bounds = scene.bounds();
+        self.bounds = self.geometry.bounds();
         self.set_near_lights(scene)
     }
 

@@ -61,10 +61,8 @@ fn with_lamps(count: usize) -> Scene {
         let position = Vec3::new(2.0 * cos, 4.0, 2.0 * sin);
         let facing_down = Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y);
         scene.nodes.push(Node {
-            name: String::new(),
-            parent: None,
             parent_from_node: Affine3A::from_mat3_translation(facing_down, position),
-            meshes: Vec::new(),
+            ..Node::default()
         });
         let shape = AreaLightShape::Disk { radius: 0.2 };
         scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: Vec3::ONE });

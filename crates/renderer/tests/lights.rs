@@ -19,7 +19,7 @@ const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 const DISK: AreaLightShape = AreaLightShape::Disk { radius: 0.2 };
 
 fn add_light(scene: &mut Scene, shape: AreaLightShape, parent_from_node: Affine3A) {
-    scene.nodes.push(Node { name: String::new(), parent: None, parent_from_node, meshes: Vec::new() });
+    scene.nodes.push(Node { parent_from_node, ..Node::default() });
     scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: RADIANCE });
 }
 

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use glam::{Mat4, Vec3};
+use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec3, Vec3A};
 use serde::Deserialize;
 
 use crate::SceneError;
@@ -157,6 +157,17 @@ impl CameraSettings {
         }
         Ok(Camera::look_at(eye, target, self.fov.to_radians()))
     }
+}
+
+/// The transform without scale and shear, as a camera has it: the viewing axis keeps its direction, +y is kept as near
+/// as can be. `None` where it is collapsed or not finite.
+pub(crate) fn rigid(affine: Affine3A) -> Option<Mat4> {
+    let back = affine.matrix3.z_axis.try_normalize()?;
+    let up = affine.matrix3.y_axis;
+    let up = (up - back * back.dot(up)).try_normalize()?;
+    let right: Vec3A = up.cross(back);
+    let rotation = Mat3::from(Mat3A::from_cols(right, up, back));
+    affine.translation.is_finite().then(|| Mat4::from_mat3_translation(rotation, affine.translation.into()))
 }
 
 #[cfg(test)]

@@ -124,10 +124,9 @@ mod tests {
 
     fn lit(transforms: &[Affine3A], shape: AreaLightShape, radiance: Vec3) -> Scene {
         let nodes = transforms.iter().enumerate().map(|(index, &parent_from_node)| Node {
-            name: String::new(),
             parent: index.checked_sub(1).map(NodeId),
             parent_from_node,
-            meshes: Vec::new(),
+            ..Node::default()
         });
         let light = AreaLight { node: NodeId(transforms.len() - 1), shape, radiance };
         Scene { nodes: nodes.collect(), lights: vec![light], ..Scene::default() }
@@ -187,12 +186,7 @@ mod tests {
     fn appended_lights_follow_their_nodes() {
         let mut scene = lit(&[Affine3A::IDENTITY], RECTANGLE, Vec3::ONE);
         let other = lit(&[Affine3A::from_translation(Vec3::X)], RECTANGLE, Vec3::ONE);
-        let root = Node {
-            name: String::new(),
-            parent: None,
-            parent_from_node: Affine3A::from_translation(Vec3::Y),
-            meshes: Vec::new(),
-        };
+        let root = Node { parent_from_node: Affine3A::from_translation(Vec3::Y), ..Node::default() };
         scene.append(other, root);
         let centers: Vec<Vec3> = scene.placed_lights().iter().map(|light| light.center).collect();
         assert_eq!(centers, [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)]);

@@ -1,6 +1,9 @@
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-use crate::{AreaLight, Camera, Material, SceneError, Texture, TextureRef};
+use crate::{
+    AnimatedNode, Animation, AreaLight, Camera, Influences, Material, MorphTarget, SceneError, Skin, Texture,
+    TextureRef,
+};
 
 /// Index into [`Scene::meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,6 +16,10 @@ pub struct MaterialId(pub usize);
 /// Index into [`Scene::nodes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NodeId(pub usize);
+
+/// Index into [`Scene::skins`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SkinId(pub usize);
 
 /// Triangles of one material. All vertex arrays are as long as `positions`, or empty where marked.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -31,10 +38,14 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Material; `None` is [`Material::default`].
     pub material: Option<MaterialId>,
+    /// Joints that bend the vertices where a node gives the mesh a skin; empty for most.
+    pub influences: Influences,
+    /// Morph targets; empty for most.
+    pub targets: Vec<MorphTarget>,
 }
 
 /// A place in the hierarchy. Parents come before children in [`Scene::nodes`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Node {
     /// Name in the file, empty where it has none.
     pub name: String,
@@ -44,9 +55,22 @@ pub struct Node {
     pub parent_from_node: Affine3A,
     /// Meshes placed here (one for each primitive of a glTF mesh).
     pub meshes: Vec<MeshId>,
+    /// Skin that bends its meshes, which then do not follow the node but the skin's joints.
+    pub skin: Option<SkinId>,
+    /// Weights of its meshes' morph targets in the current pose; missing ones are 0.
+    pub weights: Vec<f32>,
 }
 
-/// Everything that is drawn, and from where.
+/// A camera that an animated node carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CameraMount {
+    /// Index into [`Scene::cameras`].
+    pub camera: usize,
+    /// The node whose place and direction it takes.
+    pub node: NodeId,
+}
+
+/// Everything that is drawn, and from where, in its current pose: [`Scene::animate`] changes the pose.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Scene {
     /// Meshes.
@@ -61,6 +85,14 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Area lights, beside the environment; [`Scene::placed_lights`] has them in world space.
     pub lights: Vec<AreaLight>,
+    /// Skins.
+    pub skins: Vec<Skin>,
+    /// Clips, in file order.
+    pub animations: Vec<Animation>,
+    /// The nodes that clips move, each once, with their pose in the file.
+    pub animated: Vec<AnimatedNode>,
+    /// Cameras that go with animated nodes.
+    pub camera_mounts: Vec<CameraMount>,
     /// The node of the ground that [`Scene::add_ground`] or a built-in scene put under the models: it is drawn like any
     /// other, but does not count in framing.
     pub ground: Option<NodeId>,
@@ -90,27 +122,7 @@ impl Bounds {
 }
 
 impl Scene {
-    /// `world_from_node` of every node, in node order.
-    pub fn world_from_nodes(&self) -> Vec<Affine3A> {
-        let mut world: Vec<Affine3A> = Vec::with_capacity(self.nodes.len());
-        for node in &self.nodes {
-            let parent = node.parent.map_or(Affine3A::IDENTITY, |parent| world[parent.0]);
-            world.push(parent * node.parent_from_node);
-        }
-        world
-    }
-
-    /// Every placed mesh with its transform to world space.
-    pub fn instances(&self) -> Vec<(MeshId, Affine3A)> {
-        let world = self.world_from_nodes();
-        self.nodes
-            .iter()
-            .zip(world)
-            .flat_map(|(node, world_from_node)| node.meshes.iter().map(move |&mesh| (mesh, world_from_node)))
-            .collect()
-    }
-
-    /// Box around every placed triangle corner; `None` for a scene without triangles.
+    /// Box around every placed triangle corner in the current pose; `None` for a scene without triangles.
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds_where(|_| true)
     }
@@ -122,20 +134,11 @@ impl Scene {
 
     fn bounds_where(&self, counts: impl Fn(NodeId) -> bool) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;
-        for (node, world_from_node) in self.world_from_nodes().into_iter().enumerate() {
-            if !counts(NodeId(node)) {
-                continue;
-            }
-            for mesh in &self.nodes[node].meshes {
-                let mesh = &self.meshes[mesh.0];
-                for &index in mesh.triangles.iter().flatten() {
-                    let p = world_from_node.transform_point3(mesh.positions[index as usize]);
-                    let b = bounds.get_or_insert(Bounds { min: p, max: p });
-                    b.min = b.min.min(p);
-                    b.max = b.max.max(p);
-                }
-            }
-        }
+        self.visit_corners(counts, |p| {
+            let b = bounds.get_or_insert(Bounds { min: p, max: p });
+            b.min = b.min.min(p);
+            b.max = b.max.max(p);
+        });
         bounds
     }
 
@@ -169,18 +172,18 @@ impl Scene {
         self.meshes.push(mesh);
         self.nodes.push(Node {
             name: name.to_owned(),
-            parent: None,
-            parent_from_node: Affine3A::IDENTITY,
             meshes: vec![MeshId(self.meshes.len() - 1)],
+            ..Node::default()
         });
         NodeId(self.nodes.len() - 1)
     }
 
     /// Adds everything of `other` under a new node `root`, which has no meshes. Cameras follow `root`'s transform, without
-    /// its scale. A ground of `other` is then a node like any other.
+    /// its scale. A ground of `other` is then a node like any other; its clips follow those that exist.
     pub fn append(&mut self, other: Self, root: Node) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
         let (textures, first) = (self.textures.len(), self.nodes.len() + 1);
+        let (skins, cameras) = (self.skins.len(), self.cameras.len());
         let moved_texture = |texture: &mut Option<TextureRef>| {
             if let Some(texture) = texture {
                 texture.texture.0 += textures;
@@ -213,10 +216,29 @@ impl Scene {
             light.node.0 += first;
             light
         }));
+        self.skins.extend(other.skins.into_iter().map(|mut skin| {
+            skin.joints.iter_mut().for_each(|joint| joint.0 += first);
+            skin
+        }));
+        self.animations.extend(other.animations.into_iter().map(|mut animation| {
+            animation.channels.iter_mut().for_each(|channel| channel.node.0 += first);
+            animation
+        }));
+        self.animated.extend(other.animated.into_iter().map(|mut animated| {
+            animated.node.0 += first;
+            animated
+        }));
+        self.camera_mounts.extend(
+            other.camera_mounts.into_iter().map(|mount| CameraMount {
+                camera: mount.camera + cameras,
+                node: NodeId(mount.node.0 + first),
+            }),
+        );
         self.nodes.push(root);
         self.nodes.extend(other.nodes.into_iter().map(|mut node| {
             node.parent = Some(NodeId(node.parent.map_or(first - 1, |parent| parent.0 + first)));
             node.meshes.iter_mut().for_each(|mesh| mesh.0 += meshes);
+            node.skin = node.skin.map(|skin| SkinId(skin.0 + skins));
             node
         }));
     }
@@ -230,8 +252,10 @@ impl Scene {
         let corners = self.bounds().into_iter().flat_map(|bounds| [bounds.min, bounds.max]);
         let lights = self.lights.iter().map(|light| world[light.node.0].translation.into());
         let distance = |place: Vec3| if place.is_nan() { f32::NAN } else { place.abs().max_element() };
-        if let Some(far) =
-            corners.chain(lights).map(distance).find(|&distance| distance > 1e15 || distance.is_nan())
+        if let Some(far) = corners
+            .chain(lights)
+            .map(distance)
+            .find(|&distance| distance > crate::pose::LARGEST || distance.is_nan())
         {
             return Err(format!("its geometry and lights reach {far:.1e} m from the origin"));
         }
@@ -240,6 +264,6 @@ impl Scene {
 
     /// Number of placed triangles.
     pub fn triangle_count(&self) -> usize {
-        self.instances().iter().map(|(mesh, _)| self.meshes[mesh.0].triangles.len()).sum()
+        self.nodes.iter().flat_map(|node| &node.meshes).map(|mesh| self.meshes[mesh.0].triangles.len()).sum()
     }
 }

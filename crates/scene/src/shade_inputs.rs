@@ -4,7 +4,7 @@ use glam::{Affine3A, Mat3, Vec2, Vec3, Vec4};
 use gnomon_brdf::Surface;
 
 use crate::load::triangle_normal;
-use crate::{AlphaMode, Material, Mesh, MeshId, Scene, TextureRef};
+use crate::{AlphaMode, Material, Mesh, MeshId, Scene, TextureRef, WorldVertices};
 
 /// A surface point with every texture and vertex attribute evaluated.
 ///
@@ -39,6 +39,30 @@ impl Scene {
     /// Everything shading needs at a point of a triangle, `barycentrics` being the weights of its three corners
     /// (they sum to 1). The mesh and triangle must exist.
     pub fn surface_at(&self, mesh: MeshId, triangle: usize, barycentrics: Vec3) -> SurfacePoint {
+        let Mesh { positions, normals, tangents, .. } = &self.meshes[mesh.0];
+        self.surface_of(mesh, (positions, normals, tangents), triangle, barycentrics)
+    }
+
+    /// The same of a mesh whose vertices are elsewhere, as [`Scene::world_vertices`] has them: both normals are in world
+    /// space.
+    pub fn surface_in_world(
+        &self,
+        mesh: MeshId,
+        vertices: &WorldVertices,
+        triangle: usize,
+        barycentrics: Vec3,
+    ) -> SurfacePoint {
+        let WorldVertices { positions, normals, tangents } = vertices;
+        self.surface_of(mesh, (positions, normals, tangents), triangle, barycentrics)
+    }
+
+    fn surface_of(
+        &self,
+        mesh: MeshId,
+        (positions, normals, tangents): (&[Vec3], &[Vec3], &[Vec4]),
+        triangle: usize,
+        barycentrics: Vec3,
+    ) -> SurfacePoint {
         let material = self.material(mesh);
         let mesh = &self.meshes[mesh.0];
         let corners = mesh.triangles[triangle].map(|index| index as usize);
@@ -65,16 +89,16 @@ impl Scene {
             emissive *= self.srgb(texture, uvs).truncate();
         }
 
-        let plane = triangle_normal(corners.map(|index| mesh.positions[index]));
-        let interpolated = if mesh.normals.is_empty() {
+        let plane = triangle_normal(corners.map(|index| positions[index]));
+        let interpolated = if normals.is_empty() {
             None
         } else {
-            weighted(barycentrics, corners.map(|index| mesh.normals[index])).try_normalize()
+            weighted(barycentrics, corners.map(|index| normals[index])).try_normalize()
         };
         let smooth = interpolated.or(plane).unwrap_or(Vec3::Y);
         let mut shading_normal = smooth;
-        if let (Some(texture), false) = (material.normal_texture, mesh.tangents.is_empty()) {
-            let tangents = corners.map(|index| mesh.tangents[index]);
+        if let (Some(texture), false) = (material.normal_texture, tangents.is_empty()) {
+            let tangents = corners.map(|index| tangents[index]);
             let tangent = weighted(barycentrics, tangents.map(Vec4::truncate)).extend(tangents[0].w);
             let texel = self.linear(texture, uvs).truncate();
             shading_normal = perturb_normal(smooth, tangent, texel, material.normal_scale);
@@ -209,12 +233,7 @@ mod tests {
                 wrap: [Wrap::ClampToEdge; 2],
                 nearest: true,
             }],
-            nodes: vec![Node {
-                name: String::new(),
-                parent: None,
-                parent_from_node: Affine3A::IDENTITY,
-                meshes: vec![MeshId(0)],
-            }],
+            nodes: vec![Node { meshes: vec![MeshId(0)], ..Node::default() }],
             ..Scene::default()
         }
     }

@@ -71,8 +71,8 @@ fn every_model_loads_with_its_triangles() {
 /// Triangles as corner positions in units of 10 micrometres, each turned to start at its smallest corner.
 fn triangles(scene: &Scene) -> BTreeMap<[[i64; 3]; 3], usize> {
     let mut set = BTreeMap::new();
-    for (mesh, world_from_mesh) in scene.instances() {
-        let mesh = &scene.meshes[mesh.0];
+    for instance in scene.instances() {
+        let (mesh, world_from_mesh) = (&scene.meshes[instance.mesh.0], instance.world_from_mesh);
         for triangle in &mesh.triangles {
             let mut corners = triangle.map(|index| {
                 let p = world_from_mesh.transform_point3(mesh.positions[index as usize]);

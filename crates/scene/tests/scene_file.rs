@@ -47,7 +47,7 @@ fn models_are_scaled_then_turned_about_x_y_z_then_moved() {
         "[[model]]\nfile = \"triangle.obj\"\nscale = [2, 3, 1]\nrotation = [0, 90, 90]\ntranslation = [10, 0, 0]\n",
     )
     .unwrap();
-    let (_, world) = loaded.scene.instances()[0];
+    let world = loaded.scene.instances()[0].world_from_mesh;
     // x: scaled to (2,0,0), about y by 90 degrees to (0,0,-2), about z stays.
     assert!((world.transform_point3(Vec3::X) - Vec3::new(10.0, 0.0, -2.0)).length() < 1e-5);
     // y: (0,3,0), about z by 90 degrees to (-3,0,0).

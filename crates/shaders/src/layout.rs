@@ -139,7 +139,7 @@ pub struct MeshVertex {
     pub normal: [f32; 3],
     pub tangent_sign: f32,
     pub tangent: [f32; 3],
-    pub padding: f32,
+    pub record: u32,
 }
 
 #[repr(C)]
@@ -147,7 +147,13 @@ pub struct MeshVertex {
 pub struct Instance {
     pub world_from_mesh: Mat4,
     pub normal_from_mesh: Mat4,
+    pub first_joint: u32,
+    pub first_weight: u32,
+    pub padding: [u32; 2],
 }
+
+/// [`Instance::first_joint`] of an instance without a skin.
+pub const NO_SKIN: u32 = u32::MAX;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -114,8 +114,8 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
         }),
         fields!(CachedLobe { model, parameter, padding_0, padding_1 }),
         fields!(RadianceCache { right, count, up, samples, to_viewer, padding, lobes }),
-        fields!(MeshVertex { position, instance, normal, tangent_sign, tangent, padding }),
-        fields!(Instance { world_from_mesh, normal_from_mesh }),
+        fields!(MeshVertex { position, instance, normal, tangent_sign, tangent, record }),
+        fields!(Instance { world_from_mesh, normal_from_mesh, first_joint, first_weight, padding }),
         fields!(Material {
             base_color,
             emissive,

@@ -156,7 +156,8 @@ struct MeshVertex {
     normal: vec3f,
     tangent_sign: f32,
     tangent: vec3f,
-    padding: f32,
+    // Where its record of joints and morph targets begins; 0 for a vertex that only follows its instance.
+    record: u32,
 }
 
 // Rigid or affine placement of a mesh.
@@ -164,7 +165,14 @@ struct Instance {
     world_from_mesh: mat4x4f,
     // Cofactors: for normals, and for the tangents of normal maps, as the reference does it.
     normal_from_mesh: mat4x4f,
+    // Of its skin, among all joints; NO_SKIN without.
+    first_joint: u32,
+    // Of its morph targets, among all weights.
+    first_weight: u32,
+    padding: vec2u,
 }
+
+const NO_SKIN: u32 = 0xffffffffu;
 
 // Factors of a material; textures multiply them.
 struct Material {

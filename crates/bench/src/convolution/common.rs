@@ -81,6 +81,6 @@ pub(super) fn square_lamp(
 pub(super) fn add_light(scene: &mut Scene, (place, shape, radiance): (Affine3A, AreaLightShape, Vec3)) {
     let node = NodeId(scene.nodes.len());
     let name = "lamp".to_owned();
-    scene.nodes.push(Node { name, parent: None, parent_from_node: place, meshes: Vec::new() });
+    scene.nodes.push(Node { name, parent_from_node: place, ..Node::default() });
     scene.lights.push(AreaLight { node, shape, radiance });
 }

@@ -1,4 +1,4 @@
-use glam::{Affine3A, DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
@@ -115,9 +115,8 @@ fn under_a_lamp(name: &'static str, plates: &[Plate], half_side: f32) -> Stage {
         scene.meshes.push(part.mesh());
         scene.nodes.push(Node {
             name: "plate".to_owned(),
-            parent: None,
-            parent_from_node: Affine3A::IDENTITY,
             meshes: vec![MeshId(scene.meshes.len() - 1)],
+            ..Node::default()
         });
     }
     add_light(&mut scene, square_lamp(Vec3::ZERO, Vec3::Y, 4.0, half_side));

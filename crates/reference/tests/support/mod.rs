@@ -22,7 +22,7 @@ pub fn scene(parts: Vec<(Mesh, Surface)>) -> Scene {
 }
 
 pub fn node(mesh: MeshId, parent_from_node: Affine3A) -> Node {
-    Node { name: String::new(), parent: None, parent_from_node, meshes: vec![mesh] }
+    Node { parent_from_node, meshes: vec![mesh], ..Node::default() }
 }
 
 /// A flat convex polygon, without normals: the triangles' own serve.

@@ -14,7 +14,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn set_materials(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        if !self.geometry.has_materials_of(scene) {
+        if !self.geometry.is_of(scene) {
             return self.set_scene(scene);
         }
         if !self.materials.rewrite(&self.gpu, scene) {

@@ -77,14 +77,7 @@ pub fn horizontal(min: Vec2, max: Vec2, y: f32) -> Mesh {
 pub fn scene_of(meshes: Vec<Mesh>, material: Material) -> Scene {
     let meshes: Vec<_> =
         meshes.into_iter().map(|mesh| Mesh { material: Some(MaterialId(0)), ..mesh }).collect();
-    let nodes = (0..meshes.len())
-        .map(|i| Node {
-            name: String::new(),
-            parent: None,
-            parent_from_node: glam::Affine3A::IDENTITY,
-            meshes: vec![MeshId(i)],
-        })
-        .collect();
+    let nodes = (0..meshes.len()).map(|i| Node { meshes: vec![MeshId(i)], ..Node::default() }).collect();
     Scene { meshes, nodes, materials: vec![material], ..Default::default() }
 }
 

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::{Budget, tangents};
-use crate::Mesh;
 use crate::error::Fault;
+use crate::{Mesh, MorphTarget};
 
 /// Largest coordinate [m] that is taken for a position: its square, and products of a few, stay far inside `f32`.
 pub const LARGEST_COORDINATE: f32 = 1e12;
@@ -21,6 +21,8 @@ pub const TRIANGLE_BYTES: usize = 12;
 /// - A triangle with a corner that is not finite, or beyond [`LARGEST_COORDINATE`], is dropped with a warning.
 /// - Triangles without area stay: they are seen by nobody.
 /// - No normals: flat ones, corners unshared. A normal that is zero or not finite: its triangles' mean.
+/// - Offsets of morph targets that are no numbers, or beyond [`LARGEST_COORDINATE`], become 0 with a warning. A target
+///   brings flat normals where the mesh has them, and none where the mesh is none to add to.
 /// - Texture coordinates that are not finite become 0, colours 1; negative colours 0.
 pub fn finish(
     mut mesh: Mesh,
@@ -30,6 +32,7 @@ pub fn finish(
     warnings: &mut Vec<String>,
 ) -> Result<Mesh, Fault> {
     drop_broken_triangles(&mut mesh, what, warnings);
+    repair_targets(&mut mesh, what, warnings);
     for uv in mesh.uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {
         *uv = Vec2::ZERO;
     }
@@ -37,7 +40,7 @@ pub fn finish(
         *color = if color.is_finite() { color.max(Vec4::ZERO) } else { Vec4::ONE };
     }
     if mesh.normals.is_empty() {
-        budget.take(mesh.triangles.len(), 3 * VERTEX_BYTES)?;
+        budget.take(mesh.triangles.len(), 3 * (VERTEX_BYTES + deformation_bytes(&mesh)))?;
         mesh = flattened(mesh);
     } else {
         repair_normals(&mut mesh, what, warnings);
@@ -46,7 +49,9 @@ pub fn finish(
         Some(set) if !mesh.uvs[set].is_empty() => {
             let usable = mesh.tangents.iter().all(|t| t.is_finite() && t.truncate().length_squared() > 0.0);
             if mesh.tangents.is_empty() || !usable {
-                budget.take(mesh.triangles.len(), 3 * VERTEX_BYTES)?;
+                budget.take(mesh.triangles.len(), 3 * (VERTEX_BYTES + deformation_bytes(&mesh)))?;
+                // Offsets from tangents that the file does not give.
+                mesh.targets.iter_mut().for_each(|target| target.tangents = Vec::new());
                 mesh = tangents::generated(mesh, set);
             } else {
                 for tangent in &mut mesh.tangents {
@@ -55,9 +60,34 @@ pub fn finish(
                 }
             }
         }
-        _ => mesh.tangents = Vec::new(),
+        _ => {
+            mesh.tangents = Vec::new();
+            mesh.targets.iter_mut().for_each(|target| target.tangents = Vec::new());
+        }
     }
     Ok(mesh)
+}
+
+/// Bytes that joints and morph targets of one vertex take at most.
+fn deformation_bytes(mesh: &Mesh) -> usize {
+    let most = mesh.influences.starts.windows(2).map(|pair| (pair[1] - pair[0]) as usize).max();
+    36 * mesh.targets.len() + size_of::<(u32, f32)>() * most.unwrap_or(0) + size_of::<u32>()
+}
+
+fn repair_targets(mesh: &mut Mesh, what: &str, warnings: &mut Vec<String>) {
+    let mut broken = 0;
+    for target in &mut mesh.targets {
+        for offset in target.positions.iter_mut().chain(&mut target.normals).chain(&mut target.tangents) {
+            // False for NaN.
+            if !offset.to_array().into_iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
+                *offset = Vec3::ZERO;
+                broken += 1;
+            }
+        }
+    }
+    if broken > 0 {
+        warnings.push(format!("{what}: {broken} offsets of morph targets were not finite and are 0"));
+    }
 }
 
 /// Unit normal of the plane through three corners, counter-clockwise from the front; `None` without area.
@@ -93,20 +123,32 @@ fn flattened(mesh: Mesh) -> Mesh {
         }
         triangles.iter().flatten().map(|&index| values[index as usize]).collect()
     }
+    let flat = |positions: &[Vec3]| -> Vec<Vec3> {
+        let triangles = positions.chunks_exact(3);
+        triangles.flat_map(|c| [triangle_normal([c[0], c[1], c[2]]).unwrap_or(Vec3::Y); 3]).collect()
+    };
     let positions = unshared(&mesh.positions, &mesh.triangles);
-    let normals = positions
-        .chunks_exact(3)
-        .flat_map(|corners| [triangle_normal([corners[0], corners[1], corners[2]]).unwrap_or(Vec3::Y); 3])
-        .collect();
+    let normals = flat(&positions);
+    let targets = mesh.targets.iter().map(|target| {
+        let offsets = unshared(&target.positions, &mesh.triangles);
+        let moved: Vec<Vec3> =
+            positions.iter().zip(&offsets).map(|(position, offset)| *position + *offset).collect();
+        // Exact for a weight of 0 or 1 (glTF 2.0, section 3.7.2.2, asks for flat normals of the sum).
+        let normals = flat(&moved).into_iter().zip(&normals).map(|(moved, normal)| moved - *normal).collect();
+        MorphTarget { positions: offsets, normals, tangents: Vec::new() }
+    });
+    let corners = mesh.triangles.iter().flatten().map(|&index| index as usize);
     Mesh {
-        normals,
+        targets: targets.collect(),
+        influences: mesh.influences.gathered(corners),
         // The file's tangents belong to normals that it does not give (glTF 2.0, section 3.7.2.1).
         tangents: Vec::new(),
         uvs: mesh.uvs.each_ref().map(|set| unshared(set, &mesh.triangles)),
         colors: unshared(&mesh.colors, &mesh.triangles),
         triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
-        positions,
         material: mesh.material,
+        normals,
+        positions,
     }
 }
 

@@ -92,6 +92,14 @@ fn duplicate_vertex(mesh: &mut Mesh, index: u32) -> u32 {
     double(&mut mesh.normals, index);
     double(&mut mesh.colors, index);
     mesh.uvs.iter_mut().for_each(|set| double(set, index));
+    for target in &mut mesh.targets {
+        double(&mut target.positions, index);
+        double(&mut target.normals, index);
+    }
+    if !mesh.influences.is_empty() {
+        let entries = mesh.influences.of(index as usize).to_vec();
+        mesh.influences.push(&entries);
+    }
     copy
 }
 

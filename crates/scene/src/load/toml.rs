@@ -184,9 +184,8 @@ impl Reader<'_> {
         }
         Ok(Node {
             name: model.name.as_deref().map_or(name, one_line),
-            parent: None,
             parent_from_node: Affine3A::from_scale_rotation_translation(scale, rotation, translation),
-            meshes: Vec::new(),
+            ..Node::default()
         })
     }
 

@@ -6,18 +6,23 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::accessors::Accessors;
 use super::schema::{Int, Primitive, Root};
-use super::skins::Pose;
-use super::{Budget, Fault, get, materials};
+use super::{Budget, Fault, get, materials, skins};
 use crate::load::geometry;
-use crate::{MaterialId, Mesh, MeshId, Scene};
+use crate::{MaterialId, Mesh, MeshId, MorphTarget, Scene};
 
 /// The meshes of a file, each read when a node first uses it.
 pub struct Meshes<'a> {
     root: &'a Root,
     accessors: &'a Accessors<'a>,
-    /// By mesh and morph weights (as bits).
-    known: HashMap<(usize, Vec<u32>), Vec<MeshId>>,
+    known: HashMap<usize, Known>,
     unnamed_material: Option<MaterialId>,
+}
+
+/// A mesh that was read.
+struct Known {
+    ids: Vec<MeshId>,
+    /// Largest joint that its vertices refer to, and in which primitive.
+    last_joint: Option<(u32, usize)>,
 }
 
 impl<'a> Meshes<'a> {
@@ -25,32 +30,25 @@ impl<'a> Meshes<'a> {
         Self { root, accessors, known: HashMap::new(), unnamed_material: None }
     }
 
-    /// The primitives of mesh `index` in `scene.meshes`; `weights` are the node's own, in place of the mesh's. With a
-    /// pose they are in world space, else in the node's.
+    /// The primitives of mesh `index` in `scene.meshes`, in the node's space.
     pub fn read(
         &mut self,
         index: usize,
-        weights: Option<&[f32]>,
-        pose: Option<&Pose>,
         budget: &mut Budget,
         scene: &mut Scene,
     ) -> Result<Vec<MeshId>, Fault> {
-        let mesh = get(&self.root.meshes, index, "mesh", "a node")?;
-        let weights = weights.or(mesh.weights.as_deref()).unwrap_or_default();
-        let key = (index, weights.iter().map(|weight| weight.to_bits()).collect());
-        if let (Some(known), None) = (self.known.get(&key), pose) {
-            return Ok(known.clone());
+        if let Some(known) = self.known.get(&index) {
+            return Ok(known.ids.clone());
         }
-        let mut ids = Vec::with_capacity(mesh.primitives.len());
+        let mesh = get(&self.root.meshes, index, "mesh", "a node")?;
+        let mut known = Known { ids: Vec::with_capacity(mesh.primitives.len()), last_joint: None };
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let name = format!("mesh {index}, primitive {number}");
-            let Some(mut raw) = self.primitive(primitive, weights, &name, budget, &mut scene.warnings)?
-            else {
+            let Some(mut raw) = self.primitive(primitive, &name, budget, &mut scene.warnings)? else {
                 continue;
             };
-            if let Some(pose) = pose {
-                pose.apply(primitive, self.accessors, &name, budget, &mut raw)?;
-            }
+            let last = raw.influences.entries.iter().map(|&(joint, _)| (joint, number)).max();
+            known.last_joint = known.last_joint.max(last);
             let material = match primitive.material {
                 Some(Int(material)) => {
                     get(&scene.materials, material, "material", &name)?;
@@ -64,20 +62,28 @@ impl<'a> Meshes<'a> {
             raw.material = Some(material);
             let tangent_set = scene.materials[material.0].normal_texture.map(|texture| texture.set);
             let finished = geometry::finish(raw, tangent_set, &name, budget, &mut scene.warnings)?;
-            ids.push(MeshId(scene.meshes.len()));
+            known.ids.push(MeshId(scene.meshes.len()));
             scene.meshes.push(finished);
         }
-        if pose.is_none() {
-            self.known.insert(key, ids.clone());
-        }
+        let ids = known.ids.clone();
+        self.known.insert(index, known);
         Ok(ids)
+    }
+
+    /// Refuses a mesh that was read and whose vertices refer to joints that a skin of `joints` lacks.
+    pub fn check_joints(&self, index: usize, joints: usize) -> Result<(), Fault> {
+        match self.known.get(&index).and_then(|known| known.last_joint) {
+            Some((joint, primitive)) if joint as usize >= joints => Err(Fault::Invalid(format!(
+                "mesh {index}, primitive {primitive} refers to joint {joint}, but its skin has {joints}"
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// The primitive's arrays and triangles; `None` for one that shows nothing.
     fn primitive(
         &self,
         primitive: &Primitive,
-        weights: &[f32],
         name: &str,
         budget: &mut Budget,
         warnings: &mut Vec<String>,
@@ -113,17 +119,18 @@ impl<'a> Meshes<'a> {
             colors: attribute("COLOR_0").map_or(Ok(Vec::new()), |index| read.colors(index, budget))?,
             ..Mesh::default()
         };
-        for (target, &weight) in primitive.targets.iter().zip(weights) {
-            if weight == 0.0 || !weight.is_finite() {
-                continue;
-            }
-            for (semantic, values) in [("POSITION", &mut mesh.positions), ("NORMAL", &mut mesh.normals)] {
-                if let Some(Int(index)) = target.get(semantic) {
-                    for (value, offset) in values.iter_mut().zip(read.vectors(*index, budget)?) {
-                        *value += weight * offset;
-                    }
-                }
-            }
+        mesh.influences = skins::influences(primitive, self.accessors, name, read.count, budget, warnings)?;
+        for target in &primitive.targets {
+            let offsets = |semantic: &str, budget: &mut Budget| match target.get(semantic) {
+                Some(Int(index)) => read.vectors(*index, budget),
+                None => Ok(Vec::new()),
+            };
+            budget.take(1, size_of::<MorphTarget>())?;
+            mesh.targets.push(MorphTarget {
+                positions: offsets("POSITION", budget)?,
+                normals: offsets("NORMAL", budget)?,
+                tangents: offsets("TANGENT", budget)?,
+            });
         }
         mesh.triangles = self.triangles(primitive, mode, read.count, name, budget, warnings)?;
         Ok(Some(mesh))

@@ -6,21 +6,21 @@
 //! - The default scene, else the first, else all root nodes. A file with meshes
 //!   but no nodes shows each mesh once; one whose nodes place no mesh is empty.
 //! - Nodes keep their hierarchy; meshes used by several nodes are shared.
-//! - Skinned meshes are bent once, by the pose in which the nodes stand; morph targets have their default weights.
+//! - Skins with any number of joints and of sets of weights, morph targets (sparse ones too), animations of nodes and
+//!   weights; a damaged animation is left out with a warning.
 //! - A picture file that is missing is left out with a warning, a missing buffer is an error.
 //! - Points and lines are left out, alpha blending is opaque, occlusion maps are not used (light is computed).
 //! - Extensions: `KHR_materials_specular`, `KHR_materials_ior`, `KHR_materials_emissive_strength`,
 //!   `KHR_texture_transform`, `KHR_mesh_quantization`. Others are ignored with a warning, or refused where required.
 
 mod accessors;
+mod animations;
 mod buffers;
 mod materials;
 mod meshes;
 mod nodes;
 mod schema;
 mod skins;
-
-use glam::Affine3A;
 
 use self::accessors::Accessors;
 use self::buffers::Buffers;
@@ -62,13 +62,14 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     materials::read(&root, &buffers, source, budget, &mut scene)?;
     let order = nodes::order(&root)?;
     let mut meshes = Meshes::new(&root, &accessors);
-    nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
+    let places = nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
+    animations::read(&root, &accessors, &places.nodes, &places.cameras, budget, &mut scene)?;
     if !root.meshes.is_empty() && root.nodes.is_empty() {
         scene.warnings.push("the file has no nodes: each mesh is shown once, at the origin".to_owned());
         for (index, mesh) in root.meshes.iter().enumerate() {
-            let ids = meshes.read(index, None, None, budget, &mut scene)?;
+            let ids = meshes.read(index, budget, &mut scene)?;
             let name = mesh.name.clone().unwrap_or_default();
-            scene.nodes.push(Node { name, parent: None, parent_from_node: Affine3A::IDENTITY, meshes: ids });
+            scene.nodes.push(Node { name, meshes: ids, ..Node::default() });
         }
     }
     Ok(Source::loaded(scene, Ground::None))

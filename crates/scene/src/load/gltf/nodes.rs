@@ -1,12 +1,13 @@
 //! Nodes and cameras (specification, sections 3.5 and 3.10).
 
-use glam::{Affine3A, Mat3, Mat3A, Mat4, Quat, Vec3, Vec3A};
+use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
 use super::schema::{CameraEntry, Int, NodeEntry, Root};
-use super::skins::Pose;
+use super::skins::Skins;
 use super::{Budget, Fault, get};
+use crate::camera::rigid;
 use crate::error::one_line;
 use crate::load::LoadOptions;
 use crate::{Camera, Node, NodeId, Projection, Scene};
@@ -71,8 +72,15 @@ fn descend(root: &Root, roots: &[usize]) -> Vec<Place> {
     order
 }
 
-/// Adds the nodes, their meshes and their cameras to the scene. A skinned mesh does not follow its node (section 3.7.3.3):
-/// it gets a root node of its own.
+/// Where the file's nodes and cameras went.
+pub struct Places {
+    /// The scene's node of every node of the file; `None` for those that are not shown.
+    pub nodes: Vec<Option<usize>>,
+    /// The node of each of the scene's cameras.
+    pub cameras: Vec<NodeId>,
+}
+
+/// Adds the nodes, their meshes, skins and cameras to the scene.
 pub fn read(
     root: &Root,
     order: &[Place],
@@ -81,44 +89,36 @@ pub fn read(
     meshes: &mut Meshes,
     budget: &mut Budget,
     scene: &mut Scene,
-) -> Result<(), Fault> {
+) -> Result<Places, Fault> {
     budget.take(order.len(), size_of::<Node>() + 2 * size_of::<Affine3A>())?;
     let mut local = Vec::with_capacity(order.len());
     let mut world: Vec<Affine3A> = Vec::with_capacity(order.len());
-    let mut place_of: Vec<Option<usize>> = vec![None; root.nodes.len()];
+    let mut places = Places { nodes: vec![None; root.nodes.len()], cameras: Vec::new() };
     for (number, place) in order.iter().enumerate() {
         let parent_from_node = transform(&root.nodes[place.node], place.node)?;
         let parent = place.parent.map_or(Affine3A::IDENTITY, |parent| world[parent]);
         local.push(parent_from_node);
         world.push(parent * parent_from_node);
-        place_of[place.node] = Some(number);
+        places.nodes[place.node] = Some(number);
     }
-    let mut skinned = Vec::new();
+    let mut skins = Skins::default();
     for (number, place) in order.iter().enumerate() {
         let entry = &root.nodes[place.node];
-        let name = entry.name.as_deref().map(one_line).unwrap_or_default();
-        let mut ids = Vec::new();
+        let mut node = Node {
+            name: entry.name.as_deref().map(one_line).unwrap_or_default(),
+            parent: place.parent.map(NodeId),
+            parent_from_node: local[number],
+            ..Node::default()
+        };
         if let Some(Int(mesh)) = entry.mesh {
-            let weights = entry.weights.as_deref();
-            let pose = match entry.skin {
-                Some(Int(skin)) => {
-                    let joint = |node: usize| place_of[node].map(|place| world[place]);
-                    Pose::read(root, accessors, skin, world[number], joint, budget)?
-                }
-                None => None,
-            };
-            if let Some(pose) = pose {
-                let meshes = meshes.read(mesh, weights, Some(&pose), budget, scene)?;
-                let parent_from_node = Affine3A::IDENTITY;
-                skinned.push(Node { name: name.clone(), parent: None, parent_from_node, meshes });
-            } else {
-                if entry.skin.is_some() {
-                    scene.warnings.push(format!(
-                        "node {}: joints are not in the scene, its skin is ignored",
-                        place.node
-                    ));
-                }
-                ids = meshes.read(mesh, weights, None, budget, scene)?;
+            node.meshes = meshes.read(mesh, budget, scene)?;
+            node.weights = weights(root, entry, mesh, budget)?;
+            if let Some(Int(skin)) = entry.skin {
+                node.skin = skins.read(root, accessors, skin, &places.nodes, budget, scene)?;
+            }
+            if let Some(skin) = node.skin {
+                let joints = scene.skins[skin.0].joints.len();
+                meshes.check_joints(mesh, joints)?;
             }
         }
         if let Some(Int(camera)) = entry.camera {
@@ -128,7 +128,8 @@ pub fn read(
                 Some(world_from_camera) => {
                     let projection = projection(entry, camera, options)?;
                     let own = entry.name.as_deref().map(one_line).filter(|own| !own.is_empty());
-                    let name = own.unwrap_or_else(|| name.clone());
+                    let name = own.unwrap_or_else(|| node.name.clone());
+                    places.cameras.push(NodeId(number));
                     scene.cameras.push(Camera { name, world_from_camera, projection });
                 }
                 None => scene
@@ -136,11 +137,18 @@ pub fn read(
                     .push(format!("the camera of {label} has a collapsed transform and is left out")),
             }
         }
-        let parent = place.parent.map(NodeId);
-        scene.nodes.push(Node { name, parent, parent_from_node: local[number], meshes: ids });
+        scene.nodes.push(node);
     }
-    scene.nodes.extend(skinned);
-    Ok(())
+    Ok(places)
+}
+
+/// Default weights of a node's morph targets: its own, or else its mesh's. What is not finite counts as 0.
+fn weights(root: &Root, node: &NodeEntry, mesh: usize, budget: &mut Budget) -> Result<Vec<f32>, Fault> {
+    let count = super::animations::targets(root, node);
+    budget.take(count, size_of::<f32>())?;
+    let given = node.weights.as_deref().or(root.meshes[mesh].weights.as_deref()).unwrap_or_default();
+    let finite = given.iter().map(|&weight| if weight.is_finite() { weight } else { 0.0 });
+    Ok(finite.chain(std::iter::repeat(0.0)).take(count).collect())
 }
 
 fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
@@ -171,17 +179,6 @@ fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
     } else {
         Err(Fault::Invalid(format!("the transform of {label} is not finite")))
     }
-}
-
-/// The transform without scale and shear, as a camera has it: the viewing axis keeps its direction, +y is kept as near
-/// as can be. `None` where it is collapsed or not finite.
-fn rigid(affine: Affine3A) -> Option<Mat4> {
-    let back = affine.matrix3.z_axis.try_normalize()?;
-    let up = affine.matrix3.y_axis;
-    let up = (up - back * back.dot(up)).try_normalize()?;
-    let right: Vec3A = up.cross(back);
-    let rotation = Mat3::from(Mat3A::from_cols(right, up, back));
-    affine.translation.is_finite().then(|| Mat4::from_mat3_translation(rotation, affine.translation.into()))
 }
 
 fn projection(camera: &CameraEntry, index: usize, options: &LoadOptions) -> Result<Projection, Fault> {

@@ -66,6 +66,8 @@ pub struct Root {
     #[serde(default)]
     pub skins: Vec<Skin>,
     #[serde(default)]
+    pub animations: Vec<AnimationEntry>,
+    #[serde(default)]
     pub extensions_used: Vec<String>,
     #[serde(default)]
     pub extensions_required: Vec<String>,
@@ -301,6 +303,7 @@ pub struct Sampler {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Skin {
+    pub name: Option<String>,
     pub joints: Vec<Int>,
     pub inverse_bind_matrices: Option<Int>,
 }
@@ -325,4 +328,34 @@ pub struct Perspective {
 #[derive(Debug, Deserialize)]
 pub struct Orthographic {
     pub xmag: f32,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct AnimationEntry {
+    pub name: Option<String>,
+    #[serde(default)]
+    pub channels: Vec<ChannelEntry>,
+    #[serde(default)]
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct ChannelEntry {
+    pub sampler: Option<Int>,
+    #[serde(default)]
+    pub target: ChannelTarget,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct ChannelTarget {
+    pub node: Option<Int>,
+    #[serde(default)]
+    pub path: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct AnimationSampler {
+    pub input: Option<Int>,
+    pub output: Option<Int>,
+    pub interpolation: Option<String>,
 }

@@ -1,108 +1,131 @@
-//! Skins (specification, section 3.7.3): meshes bent by the pose in which the file's nodes stand.
+//! Skins (specification, section 3.7.3).
 
-use glam::{Affine3A, Mat4, Vec3};
+use std::collections::HashMap;
+
+use glam::{Affine3A, Mat4};
 
 use super::accessors::Accessors;
 use super::schema::{Int, Primitive, Root};
 use super::{Budget, Fault, get};
-use crate::{Mesh, normal_matrix};
+use crate::{Influences, NodeId, Scene, Skin, SkinId};
 
-/// Most joints that bend one vertex, in sets of four.
-const JOINT_SETS: usize = 4;
+/// Sums of weights that differ more than this from 1 are worth a warning: four weights in 8 bits stay below it.
+const WEIGHT_TOLERANCE: f32 = 0.01;
 
-/// The pose of a skinned mesh, to world space.
-pub struct Pose {
-    /// `world_from_joint * joint_from_bind` of every joint.
-    joints: Vec<Affine3A>,
-    /// For primitives without joints.
-    world_from_node: Affine3A,
+/// The skins of a file, each read when a node first uses it.
+#[derive(Default)]
+pub struct Skins {
+    known: HashMap<usize, Option<SkinId>>,
 }
 
-impl Pose {
-    /// The pose of skin `index`; `None` where one of its joints is not in the scene.
+impl Skins {
+    /// Skin `index` in `scene.skins`; `None`, with a warning, where one of its joints is not in the scene. `places` has
+    /// the scene's node of every node of the file.
     pub fn read(
+        &mut self,
         root: &Root,
         accessors: &Accessors,
         index: usize,
-        world_from_node: Affine3A,
-        world: impl Fn(usize) -> Option<Affine3A>,
+        places: &[Option<usize>],
         budget: &mut Budget,
-    ) -> Result<Option<Self>, Fault> {
-        let skin = get(&root.skins, index, "skin", "a node")?;
-        let name = format!("skin {index}");
-        let binds = match skin.inverse_bind_matrices {
-            Some(Int(accessor)) => accessors.floats::<16>(accessor, &name, budget)?,
+        scene: &mut Scene,
+    ) -> Result<Option<SkinId>, Fault> {
+        if let Some(known) = self.known.get(&index) {
+            return Ok(*known);
+        }
+        let entry = get(&root.skins, index, "skin", "a node")?;
+        let label = format!("skin {index}");
+        let binds = match entry.inverse_bind_matrices {
+            Some(Int(accessor)) => accessors.floats::<16>(accessor, &label, budget)?,
             None => Vec::new(),
         };
-        if !binds.is_empty() && binds.len() < skin.joints.len() {
-            return Err(Fault::Invalid(format!("{name} has fewer bind matrices than joints")));
+        if entry.inverse_bind_matrices.is_some() && binds.len() < entry.joints.len() {
+            return Err(Fault::Invalid(format!("{label} has fewer bind matrices than joints")));
         }
-        budget.take(skin.joints.len(), size_of::<Affine3A>())?;
-        let mut joints = Vec::with_capacity(skin.joints.len());
-        for (number, &Int(joint)) in skin.joints.iter().enumerate() {
-            get(&root.nodes, joint, "node", &name)?;
-            let Some(world_from_joint) = world(joint) else { return Ok(None) };
+        budget.take(entry.joints.len(), size_of::<Affine3A>() + size_of::<NodeId>())?;
+        let name = entry.name.as_deref().map(crate::error::one_line).unwrap_or_default();
+        let mut skin = Skin { name, ..Skin::default() };
+        let mut complete = true;
+        for (number, &Int(joint)) in entry.joints.iter().enumerate() {
+            get(&root.nodes, joint, "node", &label)?;
             let bind = binds.get(number).map_or(Mat4::IDENTITY, Mat4::from_cols_array);
-            joints.push(world_from_joint * Affine3A::from_mat4(bind));
-        }
-        Ok(Some(Self { joints, world_from_node }))
-    }
-
-    /// Moves the vertices of `mesh`, read from `primitive`, to world space. Weights are made to sum to 1; a vertex
-    /// without any follows the node.
-    pub fn apply(
-        &self,
-        primitive: &Primitive,
-        accessors: &Accessors,
-        name: &str,
-        budget: &mut Budget,
-        mesh: &mut Mesh,
-    ) -> Result<(), Fault> {
-        let count = mesh.positions.len();
-        budget.take(count, size_of::<Affine3A>() + size_of::<f32>())?;
-        let mut sums = vec![(Affine3A::ZERO, 0.0_f32); count];
-        for set in 0..JOINT_SETS {
-            let attribute = |semantic: &str| primitive.attributes.get(&format!("{semantic}_{set}"));
-            let (Some(joints), Some(weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
-            let joints = accessors.floats::<4>(joints.0, name, budget)?;
-            let weights = accessors.floats::<4>(weights.0, name, budget)?;
-            if joints.len() != count || weights.len() != count {
-                return Err(Fault::Invalid(format!(
-                    "{name} has not as many joints and weights as positions"
-                )));
+            if !bind.is_finite() {
+                return Err(Fault::Invalid(format!("{label} has a bind matrix that is not finite")));
             }
-            for ((sum, total), (joints, weights)) in sums.iter_mut().zip(joints.iter().zip(&weights)) {
-                for (&joint, &weight) in joints.iter().zip(weights) {
-                    // False for NaN.
-                    if !(weight > 0.0 && weight.is_finite()) {
-                        continue;
-                    }
-                    let matrix = self.joints.get(joint as usize).ok_or_else(|| {
-                        let known = self.joints.len();
-                        Fault::Invalid(format!("{name} refers to joint {joint}, but its skin has {known}"))
-                    })?;
-                    sum.matrix3 += matrix.matrix3 * weight;
-                    sum.translation += matrix.translation * weight;
-                    *total += weight;
+            match places[joint] {
+                Some(place) => skin.joints.push(NodeId(place)),
+                None => complete = false,
+            }
+            skin.joint_from_bind.push(Affine3A::from_mat4(bind));
+        }
+        let id = complete.then(|| {
+            scene.skins.push(skin);
+            SkinId(scene.skins.len() - 1)
+        });
+        if id.is_none() {
+            scene.warnings.push(format!("{label}: joints are not in the scene, it is ignored"));
+        }
+        self.known.insert(index, id);
+        Ok(id)
+    }
+}
+
+/// Joints and weights of a primitive's `count` vertices, of all its sets. Weights are made to sum to 1.
+pub fn influences(
+    primitive: &Primitive,
+    accessors: &Accessors,
+    name: &str,
+    count: usize,
+    budget: &mut Budget,
+    warnings: &mut Vec<String>,
+) -> Result<Influences, Fault> {
+    let mut sets = Vec::new();
+    loop {
+        let attribute = |semantic: &str| primitive.attributes.get(&format!("{semantic}_{}", sets.len()));
+        let (Some(joints), Some(weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
+        let joints = accessors.floats::<4>(joints.0, name, budget)?;
+        let weights = accessors.floats::<4>(weights.0, name, budget)?;
+        if joints.len() != count || weights.len() != count {
+            return Err(Fault::Invalid(format!("{name} has not as many joints and weights as positions")));
+        }
+        sets.push((joints, weights));
+    }
+    let mut influences = Influences::default();
+    if sets.is_empty() {
+        return Ok(influences);
+    }
+    budget.take(count, size_of::<u32>() + 4 * sets.len() * size_of::<(u32, f32)>())?;
+    let (mut repaired, mut free) = (0, 0);
+    let mut entries: Vec<(u32, f32)> = Vec::new();
+    for vertex in 0..count {
+        entries.clear();
+        let mut broken = false;
+        for (joints, weights) in &sets {
+            for (&joint, &weight) in joints[vertex].iter().zip(&weights[vertex]) {
+                // False for NaN.
+                if weight > 0.0 && weight.is_finite() {
+                    entries.push((joint as u32, weight));
+                } else {
+                    broken |= weight != 0.0;
                 }
             }
         }
-        for (vertex, (sum, total)) in sums.into_iter().enumerate() {
-            let affine = if total > 0.0 {
-                let scale = 1.0 / total;
-                Affine3A { matrix3: sum.matrix3 * scale, translation: sum.translation * scale }
-            } else {
-                self.world_from_node
-            };
-            mesh.positions[vertex] = affine.transform_point3(mesh.positions[vertex]);
-            if let Some(normal) = mesh.normals.get_mut(vertex) {
-                *normal = normal_matrix(&affine) * *normal;
-            }
-            if let Some(tangent) = mesh.tangents.get_mut(vertex) {
-                let turned: Vec3 = affine.transform_vector3(tangent.truncate());
-                *tangent = turned.extend(tangent.w);
-            }
+        let sum: f32 = entries.iter().map(|(_, weight)| weight).sum();
+        // Tiny and huge sums have no finite inverse.
+        if !(sum.is_normal() && sum.recip().is_normal()) {
+            entries.clear();
+            free += 1;
+        } else {
+            repaired += usize::from(broken || (sum - 1.0).abs() > WEIGHT_TOLERANCE);
+            entries.iter_mut().for_each(|(_, weight)| *weight /= sum);
         }
-        Ok(())
+        influences.push(&entries);
     }
+    if repaired > 0 {
+        warnings.push(format!("{name}: the joint weights of {repaired} vertices were made to sum to 1"));
+    }
+    if free > 0 {
+        warnings.push(format!("{name}: {free} vertices have no joint weights and follow their node"));
+    }
+    Ok(influences)
 }

@@ -62,7 +62,7 @@ impl LightEntry {
             name: self.name.as_deref().map_or_else(|| "light".to_owned(), one_line),
             parent,
             parent_from_node: Affine3A::from_mat3_translation(self.orientation(position)?, position),
-            meshes: Vec::new(),
+            ..Node::default()
         });
         scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance });
         Ok(())
