@@ -137,9 +137,10 @@ impl Subject {
     }
 
     /// Scene, environment and truth in a sentence, and what stands in for them.
-    pub fn described(&self) -> Vec<String> {
+    pub fn described(&self, lab: &Lab<'_>) -> Vec<String> {
+        let samples = samples(lab);
         let what = format!(
-            "{} under {}: {} triangles, {} x {} pixels of 2 x 2 samples, truth: {}.",
+            "{} under {}: {} triangles, {} x {} pixels of {samples} x {samples} samples, truth: {}.",
             self.case.stage,
             self.environment.name,
             self.stage.scene.triangle_count(),
@@ -162,9 +163,15 @@ pub(super) fn reading() -> String {
     )
 }
 
+/// Samples along the side of a pixel: narrow highlights of small models alias with fewer, which hides what rules and lights do.
+fn samples(lab: &Lab<'_>) -> u32 {
+    lab.pick(2, 4, 4)
+}
+
 /// A frame as the paper draws it: every sample has its own shadows. Large sets of lights take turns.
 pub(super) fn frame(lab: &Lab<'_>) -> RenderSettings {
     RenderSettings {
+        samples: samples(lab),
         shadow_resolution: lab.pick(32, 256, 512),
         shadow_sampling: 1,
         shadow_memory_bytes: 256 << 20,

@@ -100,7 +100,7 @@ impl Measured {
             let share = |family: usize| (index * families.len() + family) as f32 / steps;
             lab.tell(&format!("lights: tracing {}", case.stage), share(0));
             let subject = Subject::new(lab, case)?;
-            measured.cases.extend(subject.described());
+            measured.cases.extend(subject.described(lab));
             for (place, &family) in families.iter().enumerate() {
                 lab.tell(&format!("lights: {}, {}", case.stage, family.name()), share(place));
                 measured.add(lab, &subject, family)?;

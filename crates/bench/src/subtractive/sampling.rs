@@ -61,7 +61,7 @@ impl Experiment for Sampling {
         for (index, case) in cases(lab).iter().enumerate() {
             lab.tell(&format!("sampling: {}", case.stage), index as f32 / cases(lab).len() as f32);
             let subject = Subject::new(lab, case)?;
-            paragraphs.extend(subject.described());
+            paragraphs.extend(subject.described(lab));
             for (family, rule, count) in families {
                 let title = format!("{}: {}, {rule}", case.stage, family.name());
                 let mut sheet =
