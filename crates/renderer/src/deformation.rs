@@ -169,3 +169,6 @@ fn transformed(affine: Affine3A, (min, max): Box3) -> Box3 {
     let reach: Vec3 = (m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z).into();
     (center - reach, center + reach)
 }
+
+#[cfg(test)]
+mod tests;

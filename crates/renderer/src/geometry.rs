@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, Pose, Scene, SkinId};
 use gnomon_shaders::layout;
 
@@ -39,6 +39,7 @@ pub(crate) struct Geometry {
     vertex_count: u32,
     instances: wgpu::Buffer,
     joints: wgpu::Buffer,
+    joint_count: usize,
     weights: wgpu::Buffer,
     placed: Vec<Kept>,
     /// Of each deformable instance, where its box is among `boxes`.
@@ -163,7 +164,8 @@ impl Geometry {
         let joints = gpu.buffer_with("joints", bytemuck::cast_slice(&data.joints), storage);
         let weights = gpu.buffer_with("morph weights", bytemuck::cast_slice(&data.weights), storage);
         let records = gpu.buffer_with("deformation records", bytemuck::cast_slice(&records.words), storage);
-        let world = |label| gpu.empty_buffer(label, 16 * total as u64, storage | wgpu::BufferUsages::VERTEX);
+        let vertex = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_SRC;
+        let world = |label| gpu.empty_buffer(label, 16 * total as u64, storage | vertex);
         let (positions_world, normals_world, tangents_world) =
             (world("positions_world"), world("normals_world"), world("tangents_world"));
         let bind_group = gpu.bind_group(
@@ -196,6 +198,7 @@ impl Geometry {
             vertex_count: total as u32,
             instances,
             joints,
+            joint_count: data.joints.len(),
             weights,
             placed: placed.iter().map(|instance| Kept::new(scene, instance)).collect(),
             deformable,
@@ -219,13 +222,12 @@ impl Geometry {
         let placed = by_material(scene);
         let pose = scene.pose();
         let data = PoseData::new(scene, &pose, &placed);
-        let joint_bytes: &[u8] = bytemuck::cast_slice(&data.joints);
-        if !self.holds(scene, &placed) || joint_bytes.len() as u64 != self.joints.size() {
+        if !self.holds(scene, &placed) || data.joints.len() != self.joint_count {
             return Ok(false);
         }
         self.move_boxes(scene, &pose, &placed)?;
         gpu.queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&data.instances));
-        gpu.queue.write_buffer(&self.joints, 0, joint_bytes);
+        gpu.queue.write_buffer(&self.joints, 0, bytemuck::cast_slice(&data.joints));
         gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&data.weights));
         Ok(true)
     }
@@ -245,7 +247,9 @@ impl Geometry {
         }
         // False for NaN.
         let near = |corner: Vec3| corner.abs().max_element() <= FARTHEST && corner.is_finite();
-        if self.boxes.iter().flat_map(InstanceBox::corners).all(near) {
+        // Boxes do not tell: a minimum skips what is no number.
+        let finite = pose.world_from_nodes.iter().all(Affine3A::is_finite);
+        if finite && self.boxes.iter().flat_map(InstanceBox::corners).all(near) {
             Ok(())
         } else {
             Err(RenderError::OutOfRange {
@@ -267,7 +271,7 @@ impl Geometry {
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.
-fn by_material(scene: &Scene) -> Vec<Instance> {
+pub(crate) fn by_material(scene: &Scene) -> Vec<Instance> {
     let mut placed = scene.instances();
     placed.sort_by_key(|instance| scene.meshes[instance.mesh.0].material.map(|material| material.0));
     placed

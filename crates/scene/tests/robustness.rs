@@ -23,7 +23,7 @@ static PLY_BINARY: LazyLock<Vec<u8>> = LazyLock::new(|| {
     bytes
 });
 
-/// A skinned, textured triangle with a sparse accessor and a camera.
+/// A skinned, morphed, animated, textured triangle with a sparse accessor and a camera.
 static GLB: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let mut binary: Vec<u8> = Vec::new();
     for x in [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
@@ -48,7 +48,12 @@ static GLB: LazyLock<Vec<u8>> = LazyLock::new(|| {
         "skins": [{"joints": [2]}],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 4, "JOINTS_0": 2, "WEIGHTS_0": 3},
-                                    "indices": 1, "material": 0}]}],
+                                    "indices": 1, "material": 0, "targets": [{"POSITION": 0, "NORMAL": 0}]}], "weights": [0.5]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 2, "path": "translation"}},
+                                     {"sampler": 1, "target": {"node": 0, "path": "weights"}},
+                                     {"sampler": 2, "target": {"node": 2, "path": "rotation"}}],
+                        "samplers": [{"input": 5, "output": 0}, {"input": 5, "output": 5, "interpolation": "STEP"},
+                                     {"input": 6, "output": 7, "interpolation": "CUBICSPLINE"}]}],
         "materials": [{"normalTexture": {"index": 0}, "alphaMode": "MASK"}],
         "textures": [{"source": 0}], "images": [{"bufferView": 4, "mimeType": "image/png"}],
         "accessors": [
@@ -57,7 +62,11 @@ static GLB: LazyLock<Vec<u8>> = LazyLock::new(|| {
             {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
             {"bufferView": 2, "componentType": 5121, "count": 3, "type": "VEC4"},
             {"bufferView": 3, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4"},
-            {"componentType": 5126, "count": 3, "type": "VEC2"}],
+            {"componentType": 5126, "count": 3, "type": "VEC2"},
+            // Times and weights: three times 0, and one key of a spline.
+            {"componentType": 5126, "count": 3, "type": "SCALAR"},
+            {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "count": 1, "type": "SCALAR"},
+            {"bufferView": 3, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4"}],
         "bufferViews": [
             {"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
             {"buffer": 0, "byteOffset": 44, "byteLength": 12}, {"buffer": 0, "byteOffset": 56, "byteLength": 12},
@@ -97,7 +106,17 @@ fn attempt(folder: &Path, name: &str, bytes: &[u8]) {
     let options = LoadOptions { memory_limit: 1 << 26, ..LoadOptions::default() };
     match load(&path, &options) {
         Ok(loaded) => {
-            let scene = &loaded.scene;
+            let mut scene = loaded.scene;
+            for (clip, time) in (0..scene.animations.len()).flat_map(|clip| [(clip, 0.0), (clip, 0.7)]) {
+                // It moves or says why not; either way the scene is whole.
+                let _ = scene.animate(clip, time);
+                let pose = scene.pose();
+                for instance in scene.instances() {
+                    scene.world_vertices(&pose, &instance);
+                }
+            }
+            scene.rest();
+            let scene = &scene;
             for mesh in &scene.meshes {
                 assert!(
                     mesh.triangles.iter().flatten().all(|&index| (index as usize) < mesh.positions.len())
@@ -128,6 +147,10 @@ fn the_seeds_themselves_load() {
         std::fs::write(&path, bytes).unwrap();
         let loaded = load(&path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         assert!(loaded.scene.triangle_count() > 0, "{name}");
+        if name.ends_with("glb") {
+            let channels: usize = loaded.scene.animations.iter().map(|clip| clip.channels.len()).sum();
+            assert_eq!((channels, loaded.scene.skins.len()), (3, 1), "{:?}", loaded.scene.warnings);
+        }
     }
 }
 

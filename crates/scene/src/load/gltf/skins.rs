@@ -111,8 +111,7 @@ pub fn influences(
             }
         }
         let sum: f32 = entries.iter().map(|(_, weight)| weight).sum();
-        // Tiny and huge sums have no finite inverse.
-        if !(sum.is_normal() && sum.recip().is_normal()) {
+        if !(sum > 0.0 && sum.is_finite()) {
             entries.clear();
             free += 1;
         } else {
