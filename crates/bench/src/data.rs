@@ -116,6 +116,11 @@ impl DataFolder {
         files.iter().map(|file| folder.join(file)).find(|path| path.is_file())
     }
 
+    /// The file of an environment, where it is there.
+    pub(crate) fn environment_file(&self, name: &str) -> Option<PathBuf> {
+        self.find(known(ENVIRONMENTS, "environment", name).ok()?.files)
+    }
+
     /// The environment of that name; a built-in one stands in for a file that is absent.
     ///
     /// # Errors

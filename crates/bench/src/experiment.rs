@@ -29,7 +29,7 @@ pub struct Suite {
 
 /// Every suite there is.
 pub fn suites() -> &'static [Suite] {
-    &[crate::convolution::SUITE, crate::subtractive::SUITE]
+    &[crate::convolution::SUITE, crate::subtractive::SUITE, crate::motion::SUITE]
 }
 
 impl Suite {

@@ -12,6 +12,7 @@ mod drawn;
 mod error;
 mod experiment;
 mod lab;
+pub mod motion;
 mod pictures;
 mod setup;
 pub mod subtractive;

@@ -14,6 +14,7 @@ use gnomon::renderer::RenderError;
 use gnomon::renderer::lod::LodError;
 use gnomon::report::ReportError;
 use gnomon::scene::SceneError;
+use gnomon::studio::StudioError;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -53,6 +54,9 @@ pub enum CliError {
     /// The reference cannot be rendered.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+    /// The picture cannot be set up or kept.
+    #[error(transparent)]
+    Studio(#[from] StudioError),
     /// The picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),

@@ -1,17 +1,23 @@
 //! Options that several commands share: first their text, then what they mean.
 
 mod environment;
+mod gpu;
 mod inputs;
+mod sequence;
 
-pub use environment::{EnvironmentSpec, load_environment};
-pub use inputs::{InputArgs, Inputs};
+pub use environment::load_environment;
+pub use gpu::GpuArgs;
+pub use inputs::{InputArgs, stage};
+pub use sequence::SequenceArgs;
 
 use std::str::FromStr;
 
 use clap::Args;
 use gnomon::envmap::Projection;
+use gnomon::image::tonemap::ToneMapping;
 use gnomon::lights::FitOptions;
 use gnomon::lights::fit::{Sampler, sampler_by_name};
+use gnomon::studio::FitLook;
 
 /// How many lights a fit makes.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -35,8 +41,8 @@ pub struct FitArgs {
     sampler: Option<Sampler>,
 
     /// Seed of random samplers (stratified): the same seed gives the same lights
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
-    seed: u64,
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
 }
 
 impl FitArgs {
@@ -47,8 +53,21 @@ impl FitArgs {
             threshold: self.threshold,
             max_extent: self.max_extent.map(f32::to_radians),
             sampler: self.sampler,
-            seed: self.seed,
+            seed: self.seed.unwrap_or(0),
         }
+    }
+
+    /// Changes what they mention.
+    pub fn apply(&self, look: &mut FitLook) {
+        // Count and threshold exclude each other: what is asked for here goes before the other in the scene file.
+        if self.light_count.is_some() || self.threshold.is_some() {
+            (look.light_count, look.threshold) = (self.light_count, self.threshold);
+        }
+        look.max_extent = self.max_extent.or(look.max_extent);
+        if let Some(sampler) = self.sampler {
+            look.sampler = Some(sampler.name.to_owned());
+        }
+        look.seed = self.seed.unwrap_or(look.seed);
     }
 }
 
@@ -106,6 +125,16 @@ pub fn stops(text: &str) -> Result<f32, String> {
 /// Lists the names.
 pub fn sampler(text: &str) -> Result<Sampler, String> {
     sampler_by_name(text).map_err(|error| error.to_string())
+}
+
+/// The name of a tone mapping.
+///
+/// # Errors
+/// Lists the names.
+pub fn tone_mapping(text: &str) -> Result<String, String> {
+    ToneMapping::from_name(text)
+        .map(|rule| rule.name().to_owned())
+        .ok_or_else(|| format!("known are {}", ToneMapping::ALL.map(ToneMapping::name).join(", ")))
 }
 
 /// A projection by its name.

@@ -28,6 +28,26 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), CliError> {
             path.display()
         )));
     }
+    check_folder(path)
+}
+
+/// [`check`] of what a picture goes to, or with `is_sequence` a sequence: its folder is made, a film's is not.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_pictures(path: &Path, is_sequence: bool) -> Result<(), CliError> {
+    if !is_sequence || is_film(path) {
+        return check(path, if is_sequence { &["png", "exr", "mp4"] } else { &["png", "exr"] });
+    }
+    check(Path::new(path.file_name().unwrap_or_default()), &["png", "exr", "mp4"])
+}
+
+/// Whether a file name asks for a film.
+pub fn is_film(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4"))
+}
+
+fn check_folder(path: &Path) -> Result<(), CliError> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(CliError::usage(format!(
             "cannot write {}: there is no folder {}",
@@ -42,11 +62,15 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), CliError> {
 ///
 /// # Errors
 /// As [`gnomon::image::write`].
-pub fn write_radiance(path: &Path, radiance: &RgbImage, exposure: f32) -> Result<(), CliError> {
+pub fn write_radiance(
+    path: &Path,
+    radiance: &RgbImage,
+    (exposure, tone_mapping): (f32, ToneMapping),
+) -> Result<(), CliError> {
     if is_linear(path) {
         gnomon::image::write(path, radiance)?;
     } else {
-        gnomon::image::write(path, &tone_mapped(radiance, ToneMapping::default(), exposure))?;
+        gnomon::image::write(path, &tone_mapped(radiance, tone_mapping, exposure))?;
     }
     Ok(())
 }

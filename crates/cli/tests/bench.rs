@@ -1,4 +1,4 @@
-//! `gnomon bench convolution` and `subtractive`: their files exist, parse and hold numbers.
+//! `gnomon bench convolution`, `subtractive` and `motion`: their files exist, parse and hold numbers.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod support;
@@ -18,6 +18,11 @@ fn every_convolution_experiment_leaves_readable_files() {
 fn every_subtractive_experiment_leaves_readable_files() {
     let names = ["lights", "equal-time", "sampling", "best"];
     check_suite("subtractive", &names, "subtractive, 1/16 of the samples");
+}
+
+#[test]
+fn every_motion_experiment_leaves_readable_files() {
+    check_suite("motion", &["environment"], "longest over median at rest");
 }
 
 /// Runs a suite without data; its experiments are `expected`, and what it prints holds `printed`.
@@ -70,8 +75,15 @@ fn check_suite(suite: &str, expected: &[&str], printed: &str) {
     }
 }
 
-/// Headings of the columns of errors of first tables; every first table has one of them.
-const ERRORS: [&str; 5] = ["relative RMSE", "no shadows", "unshadowed", "relative RMSE, mean", "additive"];
+/// Headings of the columns of errors, or what stands for them, of first tables; every first table has one of them.
+const ERRORS: [&str; 6] = [
+    "relative RMSE",
+    "no shadows",
+    "unshadowed",
+    "relative RMSE, mean",
+    "additive",
+    "longest over median at rest",
+];
 
 /// Numbers of the first column of errors of a table in `results.json`.
 fn errors(table: &Value) -> Vec<f64> {

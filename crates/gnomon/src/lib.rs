@@ -28,3 +28,4 @@ pub use gnomon_reference as reference;
 pub use gnomon_renderer as renderer;
 pub use gnomon_report as report;
 pub use gnomon_scene as scene;
+pub use gnomon_studio as studio;

@@ -1,5 +1,6 @@
 //! Files that are either complete or not there.
 
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -41,7 +42,7 @@ pub fn write<E: From<io::Error>>(
         .file_name()
         .filter(|_| !target.is_dir())
         .ok_or_else(|| io::Error::new(io::ErrorKind::IsADirectory, "this is a folder, not a file"))?;
-    let mut beside = std::ffi::OsString::from(".");
+    let mut beside = OsString::from(".");
     beside.push(name);
     beside.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
     let beside = target.with_file_name(beside);
@@ -52,6 +53,15 @@ pub fn write<E: From<io::Error>>(
     fs::rename(&beside, &target)?;
     unfinished.0 = None;
     Ok(())
+}
+
+/// Of a file that [`write`] left unfinished because the process was killed, the name of the file that it was to become.
+pub fn unfinished_of(name: &OsStr) -> Option<OsString> {
+    let name = name.to_str()?.strip_prefix('.')?.strip_suffix(".part")?;
+    let (name, number) = name.rsplit_once('.')?;
+    let (process, count) = number.split_once('-')?;
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    (is_number(process) && is_number(count)).then(|| name.into())
 }
 
 fn finish<E: From<io::Error>>(
@@ -108,6 +118,20 @@ mod tests {
         });
         assert!(result.is_err());
         assert!(names(dir.path()).is_empty());
+    }
+
+    #[test]
+    fn unfinished_files_tell_what_they_were_to_become() {
+        let dir = tempfile::tempdir().unwrap();
+        write::<io::Error>(dir.path().join("a.b.png"), |w| {
+            let beside = names(dir.path());
+            assert_eq!(unfinished_of(OsStr::new(&beside[0])).as_deref(), Some(OsStr::new("a.b.png")));
+            w.write_all(b"x")
+        })
+        .unwrap();
+        for name in ["a.png", ".a.png.part", ".a.png.1-x.part", "a.png.1-2.part", ".part"] {
+            assert_eq!(unfinished_of(OsStr::new(name)), None, "{name}");
+        }
     }
 
     #[test]

@@ -135,7 +135,11 @@ impl DistantLight {
 
     /// The same light turned about +y by `yaw` [rad], right-hand rule.
     pub fn rotated(&self, yaw: f32) -> Self {
-        let rotation = Quat::from_rotation_y(yaw);
+        self.turned(Quat::from_rotation_y(yaw))
+    }
+
+    /// The same light with every direction `d` of it at `rotation * d`.
+    pub fn turned(&self, rotation: Quat) -> Self {
         Self {
             direction: rotation * self.direction,
             tangent: rotation * self.tangent,

@@ -185,6 +185,20 @@ pub fn compare_displayed(
     })
 }
 
+/// The relative root mean square error alone, as [`compare`] has it: for a number in every frame.
+///
+/// # Errors
+/// As [`compare`].
+pub fn relative_rmse(image: &RgbImage, reference: &RgbImage) -> Result<f64, MetricsError> {
+    check_pair(image, reference)?;
+    let mut sum = Sums::default();
+    for (a, b) in image.texels().iter().zip(reference.texels()) {
+        sum.add(*a, *b);
+    }
+    let count = reference.texels().len() as f64;
+    Ok(sum.relative((sum.squared.element_sum() * 3.0 * count).sqrt(), count))
+}
+
 /// Sums over pixels, in `f64` because a sun is 10^5 times the mean.
 #[derive(Default)]
 struct Sums {

@@ -17,7 +17,9 @@ mod weighted;
 mod z_test;
 
 pub use color_map::magma;
-pub use compare::{Comparison, FlipSummary, MetricsError, WorstPixel, compare, compare_displayed};
+pub use compare::{
+    Comparison, FlipSummary, MetricsError, WorstPixel, compare, compare_displayed, relative_rmse,
+};
 pub use difference::{flip_difference, signed_difference};
 pub use display::{DISPLAY_MAPPING, Exposure};
 pub use flip::{FlipMap, PIXELS_PER_DEGREE, flip};

@@ -22,6 +22,7 @@ mod environment;
 mod error;
 mod illumination;
 mod near_light;
+mod progressive;
 mod render;
 mod sampler;
 mod shade;
@@ -30,4 +31,5 @@ mod traced_scene;
 
 pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
+pub use progressive::Progressive;
 pub use render::{Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, render, render_lights};

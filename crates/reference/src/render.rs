@@ -1,6 +1,6 @@
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use glam::{DVec3, UVec2, Vec2, Vec3};
+use glam::{DVec3, UVec2, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_lights::LightSet;
@@ -77,14 +77,21 @@ pub fn render(
     options: &ReferenceOptions,
 ) -> Result<Estimate, ReferenceError> {
     check(camera, &[environment], options)?;
-    let tracer = Tracer {
+    estimate(&environment_tracer(scene, environment)?, camera, options)
+}
+
+/// The scene under the environment itself, ready to be traced.
+pub(crate) fn environment_tracer<'a>(
+    scene: &'a Scene,
+    environment: &'a Equirect,
+) -> Result<Tracer<'a>, ReferenceError> {
+    Ok(Tracer {
         scene: TracedScene::new(scene)?,
         shadowed: Illumination::new(Some(EnvironmentSampler::new(environment)), &[])
             .with_near(&scene.placed_lights()),
         unshadowed: None,
         background: environment,
-    };
-    estimate(&tracer, camera, options)
+    })
 }
 
 /// The scene under fitted lights, their residual and the scene's own lights, in front of `background`: what the fit leaves of
@@ -113,7 +120,11 @@ pub fn render_lights(
     estimate(&tracer, camera, options)
 }
 
-fn check(camera: &Camera, maps: &[&Equirect], options: &ReferenceOptions) -> Result<(), ReferenceError> {
+pub(crate) fn check(
+    camera: &Camera,
+    maps: &[&Equirect],
+    options: &ReferenceOptions,
+) -> Result<(), ReferenceError> {
     let &ReferenceOptions { width, height, samples_per_pixel, .. } = options;
     if width == 0 || height == 0 {
         return Err(ReferenceError::EmptyPicture { width, height });
@@ -156,18 +167,9 @@ fn estimate(
             if cancelled() {
                 return Err(ReferenceError::Cancelled);
             }
-            let corner = Vec2::new(x as f32, y as f32);
-            let batch_means = (0..batches).map(|batch| {
-                let sequence = Sequence::new(seed, y as u32 * width + x as u32, batch);
-                let sum: DVec3 = (0..batch_size)
-                    .map(|index| {
-                        let place = corner + sequence.pair(index, Decision::Pixel).as_vec2();
-                        let ray = camera_ray(camera, size, place);
-                        tracer.radiance(&ray, &sequence, index).as_dvec3()
-                    })
-                    .sum();
-                sum / f64::from(batch_size)
-            });
+            let pixel = UVec2::new(x as u32, y as u32);
+            let batch_means = (0..batches)
+                .map(|batch| batch_mean(tracer, camera, (size, pixel), (seed, batch), batch_size));
             (*mean, *variance) = mean_and_variance(batch_means);
         }
         if let Some(progress) = options.progress {
@@ -177,6 +179,25 @@ fn estimate(
         Ok(())
     })?;
     Ok(Estimate { mean, variance, samples_per_pixel: batches * batch_size })
+}
+
+/// Mean radiance of so many samples of a pixel, which are stratified together.
+pub(crate) fn batch_mean(
+    tracer: &Tracer,
+    camera: &Camera,
+    (size, pixel): (UVec2, UVec2),
+    (seed, batch): (u64, u32),
+    samples: u32,
+) -> DVec3 {
+    let sequence = Sequence::new(seed, pixel.y * size.x + pixel.x, batch);
+    let sum: DVec3 = (0..samples)
+        .map(|index| {
+            let place = pixel.as_vec2() + sequence.pair(index, Decision::Pixel).as_vec2();
+            let ray = camera_ray(camera, size, place);
+            tracer.radiance(&ray, &sequence, index).as_dvec3()
+        })
+        .sum();
+    sum / f64::from(samples)
 }
 
 /// Mean of independent values, and the unbiased variance of that mean, by Welford's recurrence.

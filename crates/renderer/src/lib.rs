@@ -41,6 +41,7 @@ pub mod unshadowed;
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions, list_adapters};
+pub use lighting::PreparedLighting;
 pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Frame, Renderer};

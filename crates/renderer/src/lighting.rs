@@ -1,12 +1,13 @@
 use std::f32::consts::PI;
+use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
 use gnomon_image::RgbImage;
-use gnomon_lights::DistantLight;
+use gnomon_lights::{DistantLight, LightSet};
 
-use crate::ambient::AmbientLights;
-use crate::{Gpu, RenderError};
+use crate::ambient::{self, Ambient, AmbientLights};
+use crate::{Gpu, RenderError, RenderSettings};
 
 /// Texels along the side of the environment BRDF's table; the outermost ones stand for 0 and 1.
 const DFG_SIZE: u32 = 32;
@@ -18,13 +19,74 @@ const IRRADIANCE_SOURCE_HEIGHT: u32 = 64;
 const PREFILTERED_WIDTH: u32 = 512;
 const PREFILTERED_LEVELS: u32 = 6;
 
-/// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
-pub(crate) struct Lighting {
-    pub lights: Vec<DistantLight>,
-    /// Lights that only tell how much of the sky is open.
-    pub probes: Vec<DistantLight>,
-    /// What stays ambient, and what is made of it.
+/// An environment worked out for a renderer: lights, coefficients, filtered maps. Takes a second for a large map, and no device: make it
+/// on any thread and hand it to [`crate::Renderer::set_prepared_lighting`].
+pub struct PreparedLighting {
+    pub(crate) ambient: &'static Ambient,
+    pub(crate) ambient_cells: usize,
+    lights: Vec<DistantLight>,
+    probes: Vec<DistantLight>,
     residual: Equirect,
+    full_sh: [[f32; 4]; 9],
+    background: Vec<Equirect>,
+    irradiance_full: RgbImage,
+    prefiltered_full: Vec<Equirect>,
+    rest: PreparedRest,
+}
+
+/// What is made of the ambient rest.
+struct PreparedRest {
+    sh: [[f32; 4]; 9],
+    prefiltered: Vec<Equirect>,
+}
+
+impl PreparedLighting {
+    /// `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow; of the settings, those of the ambient
+    /// rest count.
+    ///
+    /// # Errors
+    /// [`RenderError::UnknownName`] or [`RenderError::OutOfRange`] for what the settings say of the ambient rest.
+    pub fn new(map: &Equirect, set: &LightSet, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let (method, ambient_cells) = (ambient::by_name(&settings.ambient)?, settings.ambient_cells);
+        let ambient = method.lights(set, ambient_cells)?;
+        Ok(Self {
+            ambient: method,
+            ambient_cells,
+            full_sh: spherical_harmonics(map),
+            background: mip_levels(map),
+            irradiance_full: irradiance_map(map),
+            prefiltered_full: prefiltered(map),
+            rest: PreparedRest::new(&ambient.residual),
+            residual: ambient.residual,
+            lights: ambient.lights,
+            probes: ambient.probes,
+        })
+    }
+}
+
+impl PreparedRest {
+    fn new(residual: &Equirect) -> Self {
+        // A fit that leaves nothing, or an ambient rest that became lights: nothing to filter.
+        let is_black = residual.radiance().texels().iter().all(|texel| *texel == Vec3::ZERO);
+        let prefiltered = match is_black {
+            true => vec![Equirect::new(RgbImage::filled(2, 1, Vec3::ZERO))],
+            false => prefiltered(residual),
+        };
+        Self { sh: spherical_harmonics(residual), prefiltered }
+    }
+}
+
+/// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
+#[derive(Clone)]
+pub(crate) struct Lighting {
+    /// Lights as the environment is turned.
+    pub lights: Vec<DistantLight>,
+    /// Lights that only tell how much of the sky is open, as the environment is turned.
+    pub probes: Vec<DistantLight>,
+    /// Lights and probes in the environment's own frame.
+    fitted: [Vec<DistantLight>; 2],
+    /// What stays ambient, and what is made of it.
+    residual: Arc<Equirect>,
     pub residual_sh: [[f32; 4]; 9],
     pub full_sh: [[f32; 4]; 9],
     /// The environment with mip levels.
@@ -36,9 +98,10 @@ pub(crate) struct Lighting {
 }
 
 impl Lighting {
-    pub fn new(gpu: &Gpu, map: &Equirect, ambient: AmbientLights) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu, prepared: PreparedLighting) -> Result<Self, RenderError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
-        let largest = map.width().max(map.height());
+        let sides = prepared.background.iter().flat_map(|map| [map.width(), map.height()]);
+        let largest = sides.max().unwrap_or(0);
         if largest > limit {
             return Err(RenderError::OverLimit {
                 what: "texels along the environment's side",
@@ -51,31 +114,54 @@ impl Lighting {
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
         Ok(Self {
-            lights: ambient.lights,
-            probes: ambient.probes,
-            residual_sh: spherical_harmonics(&ambient.residual),
-            full_sh: spherical_harmonics(map),
-            background: upload(gpu, "background", mip_levels(map).iter().map(Equirect::radiance)),
-            irradiance_full: upload(gpu, "irradiance", &[irradiance_map(map)]),
-            prefiltered_full: prefiltered(gpu, map),
-            prefiltered_residual: prefiltered(gpu, &ambient.residual),
-            residual: ambient.residual,
+            lights: prepared.lights.clone(),
+            probes: prepared.probes.clone(),
+            fitted: [prepared.lights, prepared.probes],
+            residual_sh: prepared.rest.sh,
+            full_sh: prepared.full_sh,
+            background: upload_maps(gpu, "background", &prepared.background),
+            irradiance_full: upload(gpu, "irradiance", &[prepared.irradiance_full]),
+            prefiltered_full: upload_maps(gpu, "prefiltered", &prepared.prefiltered_full),
+            prefiltered_residual: upload_maps(gpu, "prefiltered", &prepared.rest.prefiltered),
+            residual: Arc::new(prepared.residual),
             dfg_table: upload(gpu, "dfg", &[dfg]),
         })
     }
 
     /// The same environment with other lights. Maps are made only where another part of it stays ambient.
     pub fn with_lights(self, gpu: &Gpu, ambient: AmbientLights) -> Self {
-        let lit = Self { lights: ambient.lights, probes: ambient.probes, ..self };
-        if lit.residual == ambient.residual {
+        let lit = Self {
+            lights: ambient.lights.clone(),
+            probes: ambient.probes.clone(),
+            fitted: [ambient.lights, ambient.probes],
+            ..self
+        };
+        if *lit.residual == ambient.residual {
             return lit;
         }
+        let rest = PreparedRest::new(&ambient.residual);
         Self {
-            residual_sh: spherical_harmonics(&ambient.residual),
-            prefiltered_residual: prefiltered(gpu, &ambient.residual),
-            residual: ambient.residual,
+            residual_sh: rest.sh,
+            prefiltered_residual: upload_maps(gpu, "prefiltered", &rest.prefiltered),
+            residual: Arc::new(ambient.residual),
             ..lit
         }
+    }
+
+    /// Turns lights and probes; the maps are turned where they are looked up.
+    pub fn turn(&mut self, world_from_environment: Quat) {
+        let [lights, probes] = &self.fitted;
+        let turned = |lights: &[DistantLight]| match world_from_environment == Quat::IDENTITY {
+            // To the last bit as they were fitted.
+            true => lights.to_vec(),
+            false => lights.iter().map(|light| light.turned(world_from_environment)).collect(),
+        };
+        (self.lights, self.probes) = (turned(lights), turned(probes));
+    }
+
+    /// Lights and probes in the environment's own frame: what is decided by their sizes does not change as it turns.
+    pub fn fitted(&self) -> [&[DistantLight]; 2] {
+        self.fitted.each_ref().map(Vec::as_slice)
     }
 }
 
@@ -92,9 +178,12 @@ fn spherical_harmonics(map: &Equirect) -> [[f32; 4]; 9] {
     Sh9::project(map).coefficients.map(|c| c.extend(0.0).to_array())
 }
 
-fn prefiltered(gpu: &Gpu, map: &Equirect) -> wgpu::TextureView {
-    let filtered = PrefilteredMap::new(map, PREFILTERED_WIDTH, PREFILTERED_LEVELS);
-    upload(gpu, "prefiltered", filtered.levels().iter().map(Equirect::radiance))
+fn prefiltered(map: &Equirect) -> Vec<Equirect> {
+    PrefilteredMap::new(map, PREFILTERED_WIDTH, PREFILTERED_LEVELS).levels().to_vec()
+}
+
+fn upload_maps(gpu: &Gpu, label: &str, levels: &[Equirect]) -> wgpu::TextureView {
+    upload(gpu, label, levels.iter().map(Equirect::radiance))
 }
 
 /// Uploads a picture and its mip levels in full precision: a sun exceeds what 16 bits hold.

@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2_ARRAY, array_view};
@@ -50,8 +50,8 @@ impl RadianceCache {
         same
     }
 
-    /// Takes the frame's direction to the viewer.
-    pub fn write(&self, gpu: &Gpu, to_viewer: Vec3) {
+    /// Takes the frame's direction to the viewer, and how the environment is turned.
+    pub fn write(&self, gpu: &Gpu, to_viewer: Vec3, environment_from_world: Mat4) {
         let (right, up) = to_viewer.any_orthonormal_pair();
         let mut lobes = [layout::CachedLobe::default(); layout::MAX_CACHED_LOBES];
         lobes[..self.lobes.len()].copy_from_slice(&self.lobes);
@@ -62,6 +62,7 @@ impl RadianceCache {
             samples: self.samples,
             to_viewer: to_viewer.to_array(),
             padding: 0,
+            environment_from_world: environment_from_world.to_cols_array_2d(),
             lobes,
         };
         gpu.queue.write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));

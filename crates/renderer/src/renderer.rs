@@ -1,3 +1,4 @@
+use glam::{Mat4, Quat};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_image::tonemap::ToneMapping;
@@ -13,7 +14,7 @@ use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass::{self, LightPass};
-use crate::lighting::Lighting;
+use crate::lighting::{Lighting, PreparedLighting};
 use crate::lod::LevelOfDetail;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
@@ -28,6 +29,7 @@ use crate::{Gpu, RenderError};
 
 mod debug;
 mod display;
+mod live;
 mod materials;
 
 /// One finished picture.
@@ -55,6 +57,7 @@ pub struct Renderer {
     near_lights: Vec<PlacedLight>,
     cache: RadianceCache,
     lighting: Option<Lit>,
+    world_from_environment: Quat,
     target: Option<Target>,
     debug: Option<debug::Debug>,
     view: wgpu::Buffer,
@@ -144,6 +147,7 @@ impl Renderer {
             bounds: None,
             near_lights: Vec::new(),
             lighting: None,
+            world_from_environment: Quat::IDENTITY,
             target: None,
             debug: None,
             view,
@@ -199,9 +203,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
     pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
-        let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
-        self.light_up(Lighting::new(&self.gpu, map, ambient)?)?;
-        self.gpu.check()
+        self.set_prepared_lighting(PreparedLighting::new(map, set, &self.settings)?)
     }
 
     /// Takes another level of detail over: `set` is another fit to the environment that was given last, with as many lights as
@@ -226,7 +228,8 @@ impl Renderer {
     }
 
     /// Makes what depends on the lights: those of the environment and then the scene's own.
-    fn light_up(&mut self, lighting: Lighting) -> Result<(), RenderError> {
+    fn light_up(&mut self, mut lighting: Lighting) -> Result<(), RenderError> {
+        lighting.turn(self.world_from_environment);
         let gpu = &self.gpu;
         let (technique, passes) = (self.technique, &self.passes);
         let batches = ShadowBatches::new(
@@ -364,6 +367,7 @@ impl Renderer {
 
     fn write_uniforms(&self, lit: &Lit, camera: &Camera, [width, height]: [u32; 2]) {
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+        let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
         let view = layout::View {
             clip_from_world: matrices.clip_from_world.to_cols_array_2d(),
@@ -379,9 +383,11 @@ impl Renderer {
             padding_2: 0.0,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
+            environment_from_world: environment_from_world.to_cols_array_2d(),
         };
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        self.cache.write(&self.gpu, camera.world_from_camera.z_axis.truncate().normalize());
+        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+        self.cache.write(&self.gpu, to_viewer, environment_from_world);
         let offset = self.settings.normal_offset_texels;
         let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
         let boxes = &self.geometry.boxes;

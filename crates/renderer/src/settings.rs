@@ -2,7 +2,8 @@ use gnomon_image::tonemap::ToneMapping;
 
 use crate::RenderError;
 use crate::batch_plan::ShadowSizing;
-use crate::shadow::ShadowSettings;
+use crate::shadow::{self, ShadowSettings};
+use crate::{ambient, composite, unshadowed};
 
 /// How frames are drawn.
 #[derive(Clone, Debug)]
@@ -69,8 +70,15 @@ impl Default for RenderSettings {
 }
 
 impl RenderSettings {
-    /// Whether all numbers are in range.
-    pub(crate) fn check(&self) -> Result<(), RenderError> {
+    /// Whether all names stand for something and all numbers are in range.
+    ///
+    /// # Errors
+    /// [`RenderError::UnknownName`] or [`RenderError::OutOfRange`] for the first that does not.
+    pub fn check(&self) -> Result<(), RenderError> {
+        shadow::by_name(&self.shadows)?;
+        ambient::by_name(&self.ambient)?;
+        composite::by_name(&self.compositing)?;
+        unshadowed::by_name(&self.unshadowed)?;
         in_range("samples along a pixel's side", self.samples, 1..=8)?;
         in_range("exposure", self.exposure_ev, -100.0..=100.0)?;
         in_range("cells of the ambient rest", self.ambient_cells, 6..=4096)?;

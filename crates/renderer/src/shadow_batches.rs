@@ -49,10 +49,13 @@ enum Member<'a> {
     Near(&'a PlacedLight),
 }
 
-fn members<'a>(lighting: &'a Lighting, near: &'a [PlacedLight]) -> impl Iterator<Item = Member<'a>> {
+fn members<'a>(
+    [lights, probes]: [&'a [DistantLight]; 2],
+    near: &'a [PlacedLight],
+) -> impl Iterator<Item = Member<'a>> {
     let with = |role| move |light| Member::Distant { light, role };
-    let lights = lighting.lights.iter().map(with(layout::ROLE_LIGHT));
-    let probes = lighting.probes.iter().map(with(layout::ROLE_PROBE));
+    let lights = lights.iter().map(with(layout::ROLE_LIGHT));
+    let probes = probes.iter().map(with(layout::ROLE_PROBE));
     lights.chain(probes).chain(near.iter().map(Member::Near))
 }
 
@@ -67,7 +70,7 @@ impl ShadowBatches {
         near_lights: &[PlacedLight],
     ) -> Result<Self, RenderError> {
         let with_maps = technique.needs_depth_maps();
-        let all: Vec<Member<'_>> = members(lighting, near_lights).collect();
+        let all: Vec<Member<'_>> = members(lighting.fitted(), near_lights).collect();
         let resolution = |member: &Member<'_>| match member {
             _ if !with_maps => 1,
             Member::Distant { light, .. } => {
@@ -190,7 +193,7 @@ impl ShadowBatches {
         normal_offset_texels: f32,
         only: Option<usize>,
     ) {
-        let all: Vec<Member<'_>> = members(lighting, near_lights).collect();
+        let all: Vec<Member<'_>> = members([&lighting.lights, &lighting.probes], near_lights).collect();
         for batch in &self.batches {
             let resolution = self.classes[batch.class].depth_maps.resolution;
             let lights: Vec<layout::Light> = (batch.members.iter())

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec3, Vec3A};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 use crate::error::one_line;
@@ -21,8 +21,10 @@ pub enum Projection {
     },
 }
 
-/// A view of the scene: right-handed, looking along its own -z with +y up.
-#[derive(Clone, Debug, PartialEq)]
+/// A view of the scene: right-handed, looking along its own -z with +y up. As a document it is a `[camera]` of a scene file, without its
+/// name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CameraSettings", into = "CameraSettings")]
 pub struct Camera {
     /// Name in the file, empty where it has none.
     pub name: String,
@@ -123,39 +125,120 @@ impl std::str::FromStr for Camera {
         }
         let missing = |name: &str| bad(&format!("{name} is missing"));
         let settings = CameraSettings {
-            eye: eye.ok_or_else(|| missing("eye"))?,
-            target: target.ok_or_else(|| missing("target"))?,
-            fov: fov.ok_or_else(|| missing("fov"))?,
+            eye: Some(eye.ok_or_else(|| missing("eye"))?),
+            target: Some(target.ok_or_else(|| missing("target"))?),
+            fov: Some(fov.ok_or_else(|| missing("fov"))?),
+            ..CameraSettings::default()
         };
         settings.camera().map_err(|message| bad(&message))
     }
 }
 
-/// A pinhole camera as people write it.
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// A camera as people write it, `eye`, `target` and `fov`; or as programs do, to the last bit: `matrix` and `fov_radians` or
+/// `half_width`.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CameraSettings {
-    pub eye: [f32; 3],
-    pub target: [f32; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eye: Option<[f32; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<[f32; 3]>,
     /// Horizontal [degrees].
-    pub fov: f32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fov: Option<f32>,
+    /// `world_from_camera`: right, up and back as columns, and the eye.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    matrix: Option<[[f32; 3]; 4]>,
+    /// Horizontal [rad].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fov_radians: Option<f32>,
+    /// Of a parallel view [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_width: Option<f32>,
 }
+
+/// How far the axes of a camera's matrix may be from unit length and right angles.
+const RIGID: f32 = 1e-3;
 
 impl CameraSettings {
     /// The camera, or what is wrong with it.
     pub fn camera(&self) -> Result<Camera, String> {
-        let (eye, target) = (Vec3::from_array(self.eye), Vec3::from_array(self.target));
-        // Beyond 1e15 squares of coordinates overflow.
-        if !(eye.abs().max(target.abs()).max_element() < 1e15 && eye.is_finite() && target.is_finite()) {
-            return Err("eye and target must be finite".to_owned());
-        }
-        if (eye - target).try_normalize().is_none() {
-            return Err("eye and target are the same point".to_owned());
-        }
-        if !(self.fov > 0.0 && self.fov < 180.0) {
-            return Err(format!("fov is {} degrees, but must lie between 0 and 180", self.fov));
-        }
-        Ok(Camera::look_at(eye, target, self.fov.to_radians()))
+        let world_from_camera = match (self.eye, self.target, self.matrix) {
+            (Some(eye), Some(target), None) => looking(eye, target)?,
+            (None, None, Some(matrix)) => rigid_columns(matrix)?,
+            (_, _, Some(_)) => return Err("a camera has either 'matrix' or 'eye' and 'target'".to_owned()),
+            (None, ..) => return Err("missing field `eye`".to_owned()),
+            (_, None, _) => return Err("missing field `target`".to_owned()),
+        };
+        let projection = match (self.fov, self.fov_radians, self.half_width) {
+            (Some(fov), None, None) if fov > 0.0 && fov < 180.0 => {
+                Projection::Perspective { fov_x: fov.to_radians() }
+            }
+            (Some(fov), None, None) => {
+                return Err(format!("fov is {fov} degrees, but must lie between 0 and 180"));
+            }
+            (None, Some(fov_x), None) if fov_x > 0.0 && fov_x < std::f32::consts::PI => {
+                Projection::Perspective { fov_x }
+            }
+            (None, Some(fov_x), None) => {
+                return Err(format!("fov_radians is {fov_x}, but must lie between 0 and pi"));
+            }
+            (None, None, Some(half_width)) if half_width > 0.0 && half_width.is_finite() => {
+                Projection::Orthographic { half_width }
+            }
+            (None, None, Some(half_width)) => {
+                return Err(format!("half_width is {half_width} m, but must be above 0"));
+            }
+            (None, None, None) => return Err("missing field `fov`".to_owned()),
+            _ => return Err("a camera has one of 'fov', 'fov_radians' and 'half_width'".to_owned()),
+        };
+        Ok(Camera { name: String::new(), world_from_camera, projection })
+    }
+}
+
+fn looking(eye: [f32; 3], target: [f32; 3]) -> Result<Mat4, String> {
+    let (eye, target) = (Vec3::from_array(eye), Vec3::from_array(target));
+    // Beyond 1e15 squares of coordinates overflow.
+    if !(eye.abs().max(target.abs()).max_element() < 1e15 && eye.is_finite() && target.is_finite()) {
+        return Err("eye and target must be finite".to_owned());
+    }
+    if (eye - target).try_normalize().is_none() {
+        return Err("eye and target are the same point".to_owned());
+    }
+    Ok(Camera::look_at(eye, target, 1.0).world_from_camera)
+}
+
+fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
+    let [x, y, z, eye] = columns.map(Vec3::from_array);
+    let gram = [x.dot(x) - 1.0, y.dot(y) - 1.0, z.dot(z) - 1.0, x.dot(y), y.dot(z), z.dot(x)];
+    if !gram.iter().all(|value| value.abs() < RIGID) || x.cross(y).dot(z) < 0.0 {
+        return Err(
+            "the first three columns of matrix must be right, up and back: unit length, right angles"
+                .to_owned(),
+        );
+    }
+    if !(eye.is_finite() && eye.abs().max_element() < 1e15) {
+        return Err("the last column of matrix, the eye, must be finite".to_owned());
+    }
+    Ok(Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0)))
+}
+
+impl TryFrom<CameraSettings> for Camera {
+    type Error = String;
+
+    fn try_from(settings: CameraSettings) -> Result<Self, String> {
+        settings.camera()
+    }
+}
+
+impl From<Camera> for CameraSettings {
+    fn from(camera: Camera) -> Self {
+        let column = |index| camera.world_from_camera.col(index).truncate().to_array();
+        let (fov_radians, half_width) = match camera.projection {
+            Projection::Perspective { fov_x } => (Some(fov_x), None),
+            Projection::Orthographic { half_width } => (None, Some(half_width)),
+        };
+        Self { matrix: Some([0, 1, 2, 3].map(column)), fov_radians, half_width, ..Self::default() }
     }
 }
 
@@ -220,6 +303,29 @@ mod tests {
         let error = Camera::from_file(&path).unwrap_err().to_string();
         assert!(error.contains("roll") && !error.contains('\n'), "{error}");
         assert!(matches!(Camera::from_file(folder.path()), Err(SceneError::Invalid { .. })));
+    }
+
+    #[test]
+    fn documents_keep_every_bit_of_a_camera() {
+        let mut camera = Camera::look_at(Vec3::new(0.1, 2.3, -4.7), Vec3::new(0.3, 0.2, 0.1), 0.7123);
+        for projection in [camera.projection, Projection::Orthographic { half_width: 1.7 }] {
+            camera.projection = projection;
+            let text = toml::to_string(&camera).unwrap();
+            assert_eq!(toml::from_str::<Camera>(&text).unwrap(), camera, "{text}");
+        }
+        for (text, why) in [
+            ("eye = [1, 2, 3]\ntarget = [0, 0, 0]", "missing field `fov`"),
+            ("target = [0, 0, 0]\nfov = 40", "missing field `eye`"),
+            ("eye = [1, 2, 3]\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]]\nfov = 40", "either"),
+            ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 2], [0, 0, 0]]\nfov = 40", "unit length"),
+            ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, -1], [0, 0, 0]]\nfov = 40", "right angles"),
+            ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, nan, 0]]\nfov = 40", "finite"),
+            ("eye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 40\nhalf_width = 2", "one of"),
+            ("eye = [1, 2, 3]\ntarget = [0, 0, 0]\nhalf_width = -2", "above 0"),
+        ] {
+            let error = toml::from_str::<Camera>(text).unwrap_err().to_string();
+            assert!(error.contains(why), "{text}: {error}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene};
 
 /// What lies under the models.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Ground {
     /// A matte square, see [`Scene::add_ground`].
@@ -75,9 +75,14 @@ pub(crate) fn square(center: Vec3, half: f32) -> Mesh {
 /// ground) fill a picture of width over height `aspect` up to a small margin. An empty scene is taken for a unit
 /// box on the ground; an aspect that is not positive and finite for 1.
 pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
+    camera_around(scene.bounds_without_ground().or_else(|| scene.bounds()), aspect)
+}
+
+/// [`default_camera`] of a scene whose models have these bounds.
+pub fn camera_around(bounds: Option<Bounds>, aspect: f32) -> Camera {
     let aspect = if aspect.is_finite() && aspect > 0.0 { aspect.clamp(1e-3, 1e3) } else { 1.0 };
     let unit = Bounds { min: Vec3::new(-0.5, 0.0, -0.5), max: Vec3::new(0.5, 1.0, 0.5) };
-    let bounds = scene.bounds_without_ground().or_else(|| scene.bounds()).unwrap_or(unit);
+    let bounds = bounds.unwrap_or(unit);
     let center = bounds.center();
     let radius = bounds.radius();
     // A single point is framed like a small thing.

@@ -22,9 +22,11 @@ mod texture;
 pub use animation::{AnimatedNode, Animation, Channel, Interpolation, Keys};
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
-pub use framing::{Ground, default_camera};
+pub use framing::{Ground, camera_around, default_camera};
 pub use light::{AreaLight, AreaLightShape, PlacedLight};
-pub use load::{EnvironmentSettings, EnvironmentSource, Format, LoadOptions, LoadedScene, formats, load};
+pub use load::{
+    EnvironmentSettings, EnvironmentSource, Format, LoadOptions, LoadedScene, formats, load, read_sections,
+};
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
 pub use pose::{Influences, Instance, MorphTarget, Pose, Skin, WorldVertices};
 pub use reflectance::ReflectanceSettings;

@@ -1,5 +1,6 @@
 //! Reflectance by name: what scene files and the command line say of a material.
 
+use std::fmt;
 use std::str::FromStr;
 
 use glam::Vec3;
@@ -27,6 +28,7 @@ struct Parameter {
     is_color: bool,
     least: f32,
     most: f32,
+    get: fn(&Surface) -> Vec3,
     set: fn(&mut Surface, Vec3),
 }
 
@@ -36,8 +38,13 @@ impl PartialEq for Parameter {
     }
 }
 
-const fn number(name: &'static str, [least, most]: [f32; 2], set: fn(&mut Surface, Vec3)) -> Parameter {
-    Parameter { name, is_color: false, least, most, set }
+const fn number(
+    name: &'static str,
+    [least, most]: [f32; 2],
+    get: fn(&Surface) -> Vec3,
+    set: fn(&mut Surface, Vec3),
+) -> Parameter {
+    Parameter { name, is_color: false, least, most, get, set }
 }
 
 static PARAMETERS: [Parameter; 8] = [
@@ -46,6 +53,7 @@ static PARAMETERS: [Parameter; 8] = [
         is_color: true,
         least: 0.0,
         most: 1.0,
+        get: |surface| surface.base_color,
         set: |surface, value| surface.base_color = value,
     },
     Parameter {
@@ -53,14 +61,40 @@ static PARAMETERS: [Parameter; 8] = [
         is_color: true,
         least: 0.0,
         most: f32::MAX,
+        get: |surface| surface.specular_color,
         set: |surface, value| surface.specular_color = value,
     },
-    number("metallic", [0.0, 1.0], |surface, value| surface.metallic = value.x),
-    number("roughness", [0.0, 1.0], |surface, value| surface.roughness = value.x),
-    number("specular", [0.0, 1.0], |surface, value| surface.specular = value.x),
-    number("ior", [1.0, 10.0], |surface, value| surface.ior = value.x),
-    number("shininess", [0.0, MAX_SHININESS], |surface, value| surface.shininess = value.x),
-    number("slope", [MIN_SLOPE, MAX_SLOPE], |surface, value| surface.slope = value.x),
+    number(
+        "metallic",
+        [0.0, 1.0],
+        |surface| Vec3::splat(surface.metallic),
+        |surface, value| surface.metallic = value.x,
+    ),
+    number(
+        "roughness",
+        [0.0, 1.0],
+        |surface| Vec3::splat(surface.roughness),
+        |surface, value| surface.roughness = value.x,
+    ),
+    number(
+        "specular",
+        [0.0, 1.0],
+        |surface| Vec3::splat(surface.specular),
+        |surface, value| surface.specular = value.x,
+    ),
+    number("ior", [1.0, 10.0], |surface| Vec3::splat(surface.ior), |surface, value| surface.ior = value.x),
+    number(
+        "shininess",
+        [0.0, MAX_SHININESS],
+        |surface| Vec3::splat(surface.shininess),
+        |surface, value| surface.shininess = value.x,
+    ),
+    number(
+        "slope",
+        [MIN_SLOPE, MAX_SLOPE],
+        |surface| Vec3::splat(surface.slope),
+        |surface, value| surface.slope = value.x,
+    ),
 ];
 
 /// Parameters that concern a model: those that must be given, and the others.
@@ -135,12 +169,47 @@ impl ReflectanceSettings {
         self.model
     }
 
+    /// The model of a surface with every parameter that concerns it: [`ReflectanceSettings::apply`] makes of any surface one that
+    /// reflects like it.
+    ///
+    /// # Errors
+    /// [`SceneError::Request`] for a parameter out of its range.
+    pub fn of(surface: &Surface) -> Result<Self, SceneError> {
+        let (required, optional) = concerning(surface.model);
+        let names = required.iter().chain(optional).copied();
+        let given: Vec<(&str, [f32; 3], usize)> = names
+            .filter_map(|name| PARAMETERS.iter().find(|parameter| parameter.name == name))
+            .map(|parameter| {
+                let count = if parameter.is_color { 3 } else { 1 };
+                (parameter.name, (parameter.get)(surface).to_array(), count)
+            })
+            .collect();
+        let given = given.iter().map(|(name, values, count)| (*name, &values[..*count]));
+        Self::new(Some(surface.model.name()), given)
+            .map_err(|message| SceneError::Request(format!("reflectance: {message}")))
+    }
+
     /// Gives a surface this model; parameters that are not given stay as they are.
     pub fn apply(&self, surface: &mut Surface) {
         surface.model = self.model;
         for (parameter, value) in &self.parameters {
             (parameter.set)(surface, *value);
         }
+    }
+}
+
+impl fmt::Display for ReflectanceSettings {
+    /// The text that parses to the same settings, to the last bit.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.model.name())?;
+        for (index, (parameter, value)) in self.parameters.iter().enumerate() {
+            let before = if index == 0 { ':' } else { ',' };
+            write!(f, "{before}{}={}", parameter.name, value.x)?;
+            if parameter.is_color {
+                write!(f, "/{}/{}", value.y, value.z)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -236,6 +305,27 @@ mod tests {
         assert_eq!(settings.model(), Model::Lambert);
         settings.apply(&mut surface);
         assert_eq!(surface, Surface { model: Model::Lambert, ..expected });
+    }
+
+    #[test]
+    fn a_surface_and_its_text_are_the_same_reflectance() {
+        for entry in MODELS {
+            let surface = Surface {
+                model: entry.model,
+                base_color: Vec3::new(0.1, 1.0 / 3.0, 0.7),
+                specular: 0.123_456_79,
+                shininess: 33.3,
+                slope: 0.17,
+                ..Surface::default()
+            };
+            let settings = ReflectanceSettings::of(&surface).unwrap();
+            let text = settings.to_string();
+            assert_eq!(text.parse::<ReflectanceSettings>().unwrap(), settings, "{text}");
+            let mut other = Surface { model: entry.model, ..Surface::default() };
+            settings.apply(&mut other);
+            assert_eq!(ReflectanceSettings::of(&other).unwrap(), settings, "{text}");
+        }
+        assert!(ReflectanceSettings::of(&Surface { roughness: f32::NAN, ..Surface::default() }).is_err());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use gnomon_brdf::Model;
 use gnomon_scene::{
     AreaLightShape, Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene,
-    SceneError, load,
+    SceneError, load, read_sections,
 };
 
 fn attempt(text: &str) -> Result<LoadedScene, SceneError> {
@@ -30,7 +30,8 @@ fn the_sample_scene_is_what_its_comments_say() {
     let expected = EnvironmentSettings {
         source: EnvironmentSource::Builtin("sky".to_owned()),
         rotation_degrees: 30.0,
-        exposure_ev: 0.0,
+        exposure_ev: Some(0.0),
+        projection: None,
     };
     assert_eq!(loaded.environment, Some(expected));
     let clay = loaded.scene.materials.iter().position(|material| material.name == "clay").unwrap();
@@ -134,6 +135,12 @@ fn mistakes_are_named_with_their_line() {
             "line 1: eye and target are the same point",
         ),
         ("[environment]\nrotation = 3\n", "line 1: an environment has either"),
+        ("[environment]\nbuiltin = \"sky\"\nexposure = \"auto\"\n", "line 3: "),
+        (
+            "[[model]]\nfile = \"triangle.obj\"\nground = true\n",
+            "line 1: only a built-in model has a 'ground'",
+        ),
+        ("[renderer]\n", "line 1: unknown field `renderer`"),
         ("[material.a]\nroughness = 2\n", "line 1: material 'a': roughness must be 0 to 1"),
         (
             "[material.a]\nreflectance = \"phnog\"\n",
@@ -193,4 +200,33 @@ fn mistakes_are_named_with_their_line() {
         load(&path, &LoadOptions::default()).unwrap_err().to_string()
     };
     assert!(not_text.contains("UTF-8"));
+}
+
+#[test]
+fn sections_about_drawing_are_left_to_whoever_draws() {
+    #[derive(Debug, Default, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Render {
+        shadows: String,
+    }
+    #[derive(Debug, serde::Deserialize)]
+    struct Sections {
+        render: Option<Render>,
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let text = "ground = \"plane\"\n[environment]\nbuiltin = \"sky\"\nexposure = \"automatic\"\nprojection = \"equirect\"\n\
+        [[model]]\nbuiltin = \"column\"\nground = true\n[render]\nshadows = \"pcf\"\n[animation]\n[[surface]]\n";
+    std::fs::write(&path, text).unwrap();
+    let loaded = load(&path, &LoadOptions::default()).unwrap();
+    assert_eq!(loaded.scene.triangle_count(), 440, "with its own ground");
+    assert!(loaded.scene.ground.is_some());
+    let environment = loaded.environment.unwrap();
+    assert_eq!((environment.exposure_ev, environment.projection.as_deref()), (None, Some("equirect")));
+    let sections: Sections = read_sections(&path).unwrap().unwrap();
+    assert_eq!(sections.render.unwrap().shadows, "pcf");
+    std::fs::write(&path, text.replace("shadows =", "shadow =")).unwrap();
+    let error = read_sections::<Sections>(&path).unwrap_err().to_string();
+    assert!(error.contains("line 10: unknown field `shadow`"), "{error}");
+    assert!(read_sections::<Sections>(&folder.path().join("scene.glb")).unwrap().is_none());
 }

@@ -47,6 +47,7 @@ pub struct View {
     pub padding_2: f32,
     pub residual_sh: [[f32; 4]; 9],
     pub full_sh: [[f32; 4]; 9],
+    pub environment_from_world: Mat4,
 }
 
 #[repr(C)]
@@ -128,6 +129,7 @@ pub struct RadianceCache {
     pub samples: u32,
     pub to_viewer: [f32; 3],
     pub padding: u32,
+    pub environment_from_world: Mat4,
     pub lobes: [CachedLobe; MAX_CACHED_LOBES],
 }
 

@@ -60,6 +60,7 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             padding_2,
             residual_sh,
             full_sh,
+            environment_from_world,
         }),
         fields!(Light {
             direction,
@@ -113,7 +114,16 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             padding_3,
         }),
         fields!(CachedLobe { model, parameter, padding_0, padding_1 }),
-        fields!(RadianceCache { right, count, up, samples, to_viewer, padding, lobes }),
+        fields!(RadianceCache {
+            right,
+            count,
+            up,
+            samples,
+            to_viewer,
+            padding,
+            environment_from_world,
+            lobes
+        }),
         fields!(MeshVertex { position, instance, normal, tangent_sign, tangent, record }),
         fields!(Instance { world_from_mesh, normal_from_mesh, first_joint, first_weight, padding }),
         fields!(Material {

@@ -13,7 +13,7 @@
 const FLAG_BACKGROUND: u32 = 1u;
 const FLAG_SPHERICAL_HARMONICS: u32 = 2u;
 
-// Irradiance of the whole environment, unshadowed.
+// Irradiance of the whole environment on a normal in its frame, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {
     if (view.flags & FLAG_SPHERICAL_HARMONICS) != 0u {
         return max(sh_irradiance(view.full_sh, n), vec3f(0.0));
@@ -29,7 +29,7 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
     let depth = depth_at(id.xy);
     if depth == 0.0 {
         let near = unproject(id.xy, 1.0);
-        let direction = normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz);
+        let direction = environment_direction(normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz));
         let shown = (view.flags & FLAG_BACKGROUND) != 0u;
         textureStore(radiance, id.xy, vec4f(select(vec3f(0.0), equirect_lookup(background, direction, 0), shown), 0.0));
         return;
@@ -44,9 +44,10 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
     // v.h, which stays far from grazing for most light even where n.v does not.
     let interface_f0_f90 = surface.interface_f0_f90;
     let base_weight = 1.0 - max_component(f_schlick(interface_f0_f90.rgb, interface_f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
-    let ambient_diffuse = max(sh_irradiance(view.residual_sh, surface.n), vec3f(0.0));
+    let n_environment = environment_direction(surface.n);
+    let ambient_diffuse = max(sh_irradiance(view.residual_sh, n_environment), vec3f(0.0));
     let environment_diffuse = composite(
-        full_irradiance(surface.n),
+        full_irradiance(n_environment),
         ambient_diffuse + sums.diffuse_unshadowed,
         open * ambient_diffuse + sums.diffuse_shadowed,
     );
@@ -56,14 +57,15 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
         let dfg = lobe_albedo(surface.model, n_dot_v, environment_brdf(n_dot_v, surface.roughness));
         let specular_albedo = surface.f0 * dfg.x + surface.f90 * dfg.y;
         let reflected = reflect(-surface.wo, surface.n);
+        let reflected_environment = environment_direction(reflected);
         let level = prefiltered_level(surface.alpha, f32(textureNumLevels(prefiltered_full) - 1u));
-        let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected, level) * specular_albedo;
+        let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
         var full_specular: vec3f;
         let layer = cached_lobe(surface.model, surface.parameter);
         if layer >= 0 {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.f0, surface.f90);
         } else {
-            full_specular = equirect_lookup_level(prefiltered_full, reflected, level) * specular_albedo;
+            full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
         }
         result += composite(
             full_specular,

@@ -148,7 +148,8 @@ fn lights_view(id: vec2u) {
     let w = direction_at(sample);
     if parameters.lights_before == 0u {
         // Filmic shoulder x / (1 + x).
-        let radiance = max(equirect_lookup(background, w, 0), vec3f(0.0)) * parameters.exposure;
+        let w_environment = (view.environment_from_world * vec4f(w, 0.0)).xyz;
+        let radiance = max(equirect_lookup(background, w_environment, 0), vec3f(0.0)) * parameters.exposure;
         textureStore(picture, id, vec4f(select(radiance / (1.0 + radiance), EMPTY, outside), 1.0));
     }
     if outside {

@@ -14,6 +14,11 @@
 // Scale and bias of f0 in the environment BRDF (Karis 2013) over (n.v, roughness).
 @group(0) @binding(5) var dfg_table: texture_2d<f32>;
 
+// A direction of the world in the frame that the maps and coefficients are in.
+fn environment_direction(direction_world: vec3f) -> vec3f {
+    return (view.environment_from_world * vec4f(direction_world, 0.0)).xyz;
+}
+
 fn environment_brdf(n_dot_v: f32, roughness: f32) -> vec2f {
     let size = vec2f(textureDimensions(dfg_table));
     let position = saturate(vec2f(n_dot_v, roughness)) * (size - 1.0);

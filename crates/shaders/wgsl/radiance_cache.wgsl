@@ -35,7 +35,8 @@ fn fill_cache(@builtin(global_invocation_id) id: vec3u) {
             let weight = reflectance_lobe(lobe.model, lobe.parameter, n, wo, drawn.wi) * (dot(n, drawn.wi) / drawn.pdf);
             let texels_per_sample = texels_per_steradian / (f32(cache.samples) * drawn.pdf);
             let level = 0.5 * log2(max(texels_per_sample, 1e-6));
-            let radiance = equirect_lookup_level(environment, drawn.wi, level);
+            let wi_environment = (cache.environment_from_world * vec4f(drawn.wi, 0.0)).xyz;
+            let radiance = equirect_lookup_level(environment, wi_environment, level);
             sum_f0 += weight.x * radiance;
             sum_f90 += weight.y * radiance;
         }

@@ -20,6 +20,8 @@ struct View {
     // SH coefficients (rgb) of radiance, in the order of `Sh9`: the residual's, the whole environment's.
     residual_sh: array<vec4f, 9>,
     full_sh: array<vec4f, 9>,
+    // Rotation of directions: the environment's maps and coefficients stay as they are when it turns.
+    environment_from_world: mat4x4f,
 }
 
 const SHAPE_DISK: u32 = 0u;
@@ -145,6 +147,8 @@ struct RadianceCache {
     samples: u32,
     to_viewer: vec3f,
     padding: u32,
+    // As in `View`.
+    environment_from_world: mat4x4f,
     lobes: array<CachedLobe, MAX_CACHED_LOBES>,
 }
 

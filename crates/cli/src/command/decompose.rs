@@ -4,7 +4,7 @@ use clap::Args;
 use gnomon::lights::{fit, preview};
 
 use crate::error::CliError;
-use crate::options::{EnvironmentSpec, FitArgs, load_environment, projection};
+use crate::options::{FitArgs, load_environment, projection};
 use crate::output;
 use crate::terminal::{Terminal, print};
 
@@ -68,14 +68,7 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     }
     let method = fit::by_name(&args.method, &args.fit.options())?;
     let spinner = terminal.spinner("fitting");
-    let environment = load_environment(
-        &EnvironmentSpec {
-            name: args.environment.clone(),
-            projection: args.projection,
-            rotation_degrees: args.env_rotation,
-        },
-        terminal,
-    )?;
+    let environment = load_environment(&args.environment, args.projection, args.env_rotation, terminal)?;
     let lights = method.fit(&environment)?;
     drop(spinner);
     if let Some(path) = &args.residual {

@@ -6,11 +6,12 @@ use gnomon::image::tonemap::{ToneMapping, tone_mapped};
 use gnomon::lights::preview;
 use gnomon::metrics::{Exposure, compare, flip_difference, signed_difference};
 use gnomon::reference::{ReferenceOptions, render};
+use gnomon::renderer::{Gpu, GpuOptions};
 use gnomon::report::{ContactSheet, Panel};
+use gnomon::studio::{Look, Project, Studio, environment_named};
 
-use crate::command::render::{GpuArgs, draw, fit_lights};
 use crate::error::CliError;
-use crate::options::Inputs;
+use crate::options::{GpuArgs, stage};
 use crate::output;
 use crate::terminal::{Terminal, print};
 
@@ -51,10 +52,13 @@ const HEIGHT: u32 = 360;
 pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
     std::fs::create_dir_all(&args.output)
         .map_err(|source| CliError::Write { path: args.output.clone(), source })?;
-    let inputs = Inputs::builtin(&args.scene, &args.env, (WIDTH, HEIGHT), terminal)?;
+    let mut project = Project::open(&args.scene, Look::default(), Some([WIDTH, HEIGHT]))?;
+    project.set_environment(environment_named(&args.env));
+    args.gpu.apply(&mut project.look);
     let spinner = terminal.spinner("rendering");
-    let lights = fit_lights(&args.gpu, &inputs.environment)?;
-    let picture = draw(&args.gpu, &inputs, &lights, false)?.radiance;
+    let gpu = Gpu::new(&GpuOptions { adapter: args.gpu.adapter.clone() })?;
+    let mut studio = Studio::new(&gpu, stage(project, terminal)?)?;
+    let picture = studio.frame(WIDTH, HEIGHT)?.radiance;
     drop(spinner);
 
     let bar = terminal.bar("ray tracing");
@@ -66,7 +70,8 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
         progress: Some(&progress),
         ..ReferenceOptions::default()
     };
-    let estimate = render(&inputs.scene, &inputs.camera, &inputs.environment, &options)?;
+    let (scene, camera) = studio.stage().for_reference()?;
+    let estimate = render(&scene, &camera, studio.environment(), &options)?;
     drop(bar);
 
     let reference = &estimate.mean;
@@ -74,8 +79,9 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
     let mean = comparison.reference_mean.iter().sum::<f64>() / 3.0;
     let noise = (channel_mean(&estimate.variance).max(0.0)).sqrt() / mean.max(f64::from(f32::MIN_POSITIVE));
     let shown = |radiance: &RgbImage| tone_mapped(radiance, ToneMapping::default(), comparison.exposure);
+    let lights = studio.lights();
     let mut sheet = ContactSheet::new("sheet", format!("Environment: {}", args.env), 2);
-    sheet.banner = Some(preview(&inputs.environment, &lights, 2 * WIDTH + ContactSheet::GAP));
+    sheet.banner = Some(preview(studio.environment(), lights, 2 * WIDTH + ContactSheet::GAP));
     sheet.panels = vec![
         Panel::new(format!("GPU, {} {}", lights.lights.len(), lights.method), shown(&picture)),
         Panel::new(format!("Ray traced, {} samples a pixel", args.spp), shown(reference)),
@@ -88,10 +94,11 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
             signed_difference(&picture, reference, mean.max(f64::from(f32::MIN_POSITIVE)) as f32)?,
         ),
     ];
+    let display = (0.0, ToneMapping::default());
     let file = |name: &str| args.output.join(name);
     gnomon::image::write(file("sheet.png"), &sheet.to_image())?;
-    output::write_radiance(&file("gpu.exr"), &picture, 0.0)?;
-    output::write_radiance(&file("reference.exr"), reference, 0.0)?;
+    output::write_radiance(&file("gpu.exr"), &picture, display)?;
+    output::write_radiance(&file("reference.exr"), reference, display)?;
     output::write_text(&file("comparison.json"), &(output::json(&comparison) + "\n"))?;
     print(&format!(
         "relative RMSE {:.4} (the reference's own noise is {noise:.4} of it), bias {:+.4}, FLIP weighted median {:.4}, PSNR {:.1} dB\n{}",

@@ -2,21 +2,22 @@ use clap::Args;
 use gnomon::lights::{FitOptions, LightSet, fit};
 use gnomon::renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange, LodState};
 use gnomon::renderer::{Gpu, GpuOptions, RenderSettings, Renderer};
+use gnomon::studio::{Look, Stage};
 use serde_json::{Value, json};
 
 use crate::error::CliError;
-use crate::options::{Inputs, positive};
+use crate::options::positive;
 
 /// How long a frame may take.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LevelOfDetailArgs {
     /// Frames a second to hold: chooses lights, shadow maps and shadow sampling from measured times, with at most the detail that
     /// --light-count (200 where not given), --shadow-resolution and --shadow-sampling ask for
-    #[arg(long, value_name = "FPS", conflicts_with_all = ["budget_ms", "threshold"], value_parser = positive)]
+    #[arg(long, value_name = "FPS", conflicts_with_all = ["budget_ms", "threshold", "frames", "duration"], value_parser = positive)]
     target_fps: Option<f32>,
 
     /// The same, as milliseconds a frame
-    #[arg(long, value_name = "MS", conflicts_with = "threshold", value_parser = positive)]
+    #[arg(long, value_name = "MS", conflicts_with_all = ["threshold", "frames", "duration"], value_parser = positive)]
     budget_ms: Option<f32>,
 }
 
@@ -34,9 +35,7 @@ const MOST_FRAMES: usize = 200;
 /// What a controller chose, and how it came to it.
 pub struct Settled {
     /// The settings.
-    pub level: LevelOfDetail,
-    /// Lights of that level.
-    pub lights: LightSet,
+    level: LevelOfDetail,
     budget_ms: f64,
     state: LodState,
     frames: Vec<(LevelOfDetail, f64)>,
@@ -46,13 +45,13 @@ pub struct Settled {
 ///
 /// # Errors
 /// No adapter, a fit without lights, a scene beyond the adapter's limits.
-pub fn settle(
-    budget_ms: f64,
-    adapter: Option<String>,
-    (method, options): (&str, FitOptions),
-    settings: RenderSettings,
-    inputs: &Inputs,
-) -> Result<Settled, CliError> {
+pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result<Settled, CliError> {
+    let look = stage.look();
+    let (method, options) = (&look.fit.method, look.fit.options()?);
+    // A threshold of the scene file would decide the number of lights.
+    let options = FitOptions { threshold: None, ..options };
+    let settings = look.settings(stage.exposure())?;
+    let ([width, height], camera) = (look.display.size, stage.camera()?);
     if method == "none" {
         return Err(CliError::usage(
             "a frame rate is held by the number of lights: choose some with --lights",
@@ -73,18 +72,19 @@ pub fn settle(
     let mut controller = LodController::new(budget_ms, LodRange { least, best })?;
     let fitted = |level: LevelOfDetail| -> Result<LightSet, CliError> {
         let options = FitOptions { light_count: Some(level.lights as usize), ..options };
-        Ok(fit::by_name(method, &options)?.fit(&inputs.environment)?)
+        Ok(fit::by_name(method, &options)?.fit(stage.environment())?)
     };
     let mut level = controller.level();
     let mut lights = fitted(level)?;
-    let gpu = Gpu::new(&GpuOptions { adapter })?;
+    let gpu = Gpu::new(gpu_options)?;
     let mut renderer = Renderer::new(&gpu, RenderSettings { profile: true, ..settings })?;
-    renderer.set_scene(&inputs.scene)?;
-    renderer.set_lighting(&inputs.environment, &lights)?;
+    renderer.set_scene(stage.scene())?;
+    renderer.set_environment_rotation(stage.world_from_environment())?;
+    renderer.set_lighting(stage.environment(), &lights)?;
     renderer.set_level_of_detail(level, &lights)?;
     let (mut frames, mut steady) = (Vec::new(), 0);
     while steady < STEADY_FRAMES && frames.len() < MOST_FRAMES {
-        let times = FrameTimes::from_passes(&renderer.draw(&inputs.camera, inputs.width, inputs.height)?);
+        let times = FrameTimes::from_passes(&renderer.draw(&camera, width, height)?);
         frames.push((level, times.total()));
         let next = controller.next(level, &times);
         let is_steady = next == level && controller.state() != LodState::Settling;
@@ -97,10 +97,20 @@ pub fn settle(
         }
         level = next;
     }
-    Ok(Settled { level, lights, budget_ms, state: controller.state(), frames })
+    Ok(Settled { level, budget_ms, state: controller.state(), frames })
 }
 
 impl Settled {
+    /// A look with these settings.
+    pub fn look(&self, look: &Look) -> Look {
+        let mut look = look.clone();
+        look.fit.light_count = Some(self.level.lights as usize);
+        look.fit.threshold = None;
+        look.render.shadow_resolution = self.level.shadow_resolution;
+        look.render.shadow_sampling = self.level.shadow_sampling;
+        look
+    }
+
     /// One line for people: what was chosen and what became of the budget.
     pub fn summary(&self) -> String {
         let LevelOfDetail { lights, shadow_resolution, shadow_sampling } = self.level;

@@ -8,3 +8,4 @@ pub mod info;
 mod level_of_detail;
 pub mod reference;
 pub mod render;
+mod sequence;

@@ -3,8 +3,9 @@ use std::path::PathBuf;
 use clap::Args;
 use gnomon::reference::{ReferenceOptions, render};
 
+use super::sequence;
 use crate::error::CliError;
-use crate::options::{InputArgs, Inputs};
+use crate::options::{InputArgs, SequenceArgs, stage};
 use crate::output;
 use crate::terminal::Terminal;
 
@@ -15,21 +16,25 @@ use crate::terminal::Terminal;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   gnomon reference three-boxes --env room -o truth.exr
-  gnomon reference bunny.ply --env grace.hdr --size 512x384 --spp 1024 -o truth.exr --variance var.exr")]
+  gnomon reference bunny.ply --env grace.hdr --size 512x384 --spp 1024 -o truth.exr --variance var.exr
+  gnomon reference robot.glb --env sky --frames 0..24 --fps 25 -o truth_####.exr")]
 pub struct ReferenceArgs {
     #[command(flatten)]
     inputs: InputArgs,
 
-    /// Where the picture goes
-    #[arg(short, long, value_name = "OUT.exr")]
+    /// Where the picture goes; of a sequence a name with #### in the place of the frame's number, or a film
+    #[arg(short, long, value_name = "OUT.{exr,png,mp4}")]
     output: PathBuf,
+
+    #[command(flatten)]
+    sequence: SequenceArgs,
 
     /// Samples a pixel
     #[arg(long, value_name = "N", default_value_t = 256)]
     spp: u32,
 
     /// Write the variance of every pixel's mean
-    #[arg(long, value_name = "VAR.exr")]
+    #[arg(long, value_name = "VAR.exr", conflicts_with_all = ["frames", "duration"])]
     variance: Option<PathBuf>,
 
     /// Another seed gives another, equally good estimate
@@ -42,28 +47,31 @@ pub struct ReferenceArgs {
 /// # Errors
 /// Inputs that cannot be used, unwritable outputs.
 pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
-    output::check(&args.output, &["exr", "png"])?;
+    args.sequence.check()?;
+    let is_sequence = args.sequence.is_given();
+    output::check_pictures(&args.output, is_sequence)?;
     if let Some(path) = &args.variance {
         output::check(path, &["exr"])?;
     }
-    let inputs = Inputs::load(&args.inputs, terminal)?;
+    let stage = stage(args.inputs.project()?, terminal)?;
+    let options = ReferenceOptions {
+        width: stage.look().display.size[0],
+        height: stage.look().display.size[1],
+        samples_per_pixel: args.spp,
+        seed: args.seed,
+        ..ReferenceOptions::default()
+    };
+    if is_sequence {
+        return sequence::reference(&args.sequence, &args.output, &options, stage, terminal);
+    }
     let bar = terminal.bar("ray tracing");
     let progress = |share| bar.set(share);
-    let estimate = render(
-        &inputs.scene,
-        &inputs.camera,
-        &inputs.environment,
-        &ReferenceOptions {
-            width: inputs.width,
-            height: inputs.height,
-            samples_per_pixel: args.spp,
-            seed: args.seed,
-            progress: Some(&progress),
-            cancel: None,
-        },
-    )?;
+    let (scene, camera) = stage.for_reference()?;
+    let options = ReferenceOptions { progress: Some(&progress), ..options };
+    let estimate = render(&scene, &camera, stage.environment(), &options)?;
     drop(bar);
-    output::write_radiance(&args.output, &estimate.mean, inputs.exposure)?;
+    let display = (stage.exposure(), stage.look().display.tone_mapping()?);
+    output::write_radiance(&args.output, &estimate.mean, display)?;
     if let Some(path) = &args.variance {
         gnomon::image::write(path, &estimate.variance)?;
     }

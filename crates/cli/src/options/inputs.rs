@@ -1,15 +1,11 @@
-use std::path::Path;
-
 use clap::{Args, ValueEnum};
-use gnomon::envmap::{Equirect, Projection};
-use gnomon::scene::{
-    Camera, EnvironmentSettings, EnvironmentSource, Ground, LoadOptions, LoadedScene, ReflectanceSettings,
-    Scene, builtin, default_camera, load,
-};
+use gnomon::envmap::Projection;
+use gnomon::scene::{Camera, Ground, ReflectanceSettings};
+use gnomon::studio::{CameraLook, Look, Project, Stage, environment_named};
 
 use crate::error::CliError;
 use crate::options::environment::builtin_names;
-use crate::options::{EnvironmentSpec, Size, finite, load_environment, projection, stops};
+use crate::options::{Size, finite, projection, stops, tone_mapping};
 use crate::terminal::Terminal;
 
 /// What is seen, under which light, from where.
@@ -36,9 +32,17 @@ pub struct InputArgs {
     #[arg(long, value_name = "CAMERA")]
     camera: Option<String>,
 
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1024x768")]
-    size: Size,
+    /// Picture size in pixels [default: the scene file's, or 1024x768]
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+
+    /// Clip of an animated scene, by name or by number from 0 [default: the scene file's, or the model as it stands]
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+
+    /// Time in the clip in seconds; beyond its end it starts again [default: the scene file's, or 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = finite)]
+    time: Option<f32>,
 
     /// Ground under the scene [default: plane for OBJ and PLY, none for others]
     #[arg(long, value_name = "GROUND")]
@@ -53,6 +57,10 @@ pub struct InputArgs {
     /// Exposure of PNG output in stops [default: the scene file's, or what brings the environment's mean to 0.5]
     #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = stops)]
     exposure: Option<f32>,
+
+    /// Tone mapping of PNG output: linear or neutral [default: the scene file's, or neutral]
+    #[arg(long, value_name = "NAME", value_parser = tone_mapping)]
+    tone_mapping: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -70,120 +78,58 @@ impl From<GroundName> for Ground {
     }
 }
 
-/// Everything that a picture depends on, read and checked.
-pub struct Inputs {
-    /// The scene with its ground.
-    pub scene: Scene,
-    /// The view.
-    pub camera: Camera,
-    /// The environment, turned.
-    pub environment: Equirect,
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Stops of exposure of displayed pictures.
-    pub exposure: f32,
-}
-
-impl Inputs {
-    /// Reads what the options name. What had to be repaired is told as warnings.
+impl InputArgs {
+    /// Loads the scene, with a look of what its file says and what the command line says in its place.
     ///
     /// # Errors
     /// Files that cannot be used, names of nothing, no environment.
-    pub fn load(args: &InputArgs, terminal: Terminal) -> Result<Self, CliError> {
-        let Size { width, height } = args.size;
-        let aspect = width as f32 / height as f32;
-        let LoadedScene { mut scene, environment, ground } = load_scene(&args.scene, aspect)?;
-        if let Some(reflectance) = &args.reflectance {
-            scene.set_reflectance(reflectance);
+    pub fn project(&self) -> Result<Project, CliError> {
+        let size = self.size.map(|Size { width, height }| [width, height]);
+        let mut project = Project::open(&self.scene, Look::default(), size)?;
+        if let Some(name) = &self.env {
+            project.set_environment(environment_named(name));
         }
-        for warning in &scene.warnings {
-            terminal.warn(&format!("{}: {warning}", args.scene));
-        }
-        let own = environment.as_ref();
-        let spec = environment_spec(args, own)?;
-        let camera = match &args.camera {
-            Some(text) => match scene.cameras.iter().find(|camera| camera.name == *text) {
-                Some(camera) => camera.clone(),
-                None => Camera::from_argument(text)?,
-            },
-            None => scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, aspect)),
-        };
-        scene.add_ground(args.ground.map_or(ground, Ground::from));
-        let environment = load_environment(&spec, terminal)?;
-        let exposure = args.exposure.or(own.map(|own| own.exposure_ev));
-        Ok(Self {
-            scene,
-            camera,
-            // Of the environment alone: pictures of a moving scene keep one exposure.
-            exposure: exposure.unwrap_or_else(|| environment.suitable_exposure()),
-            environment,
-            width,
-            height,
-        })
-    }
-
-    /// A built-in scene under an environment.
-    ///
-    /// # Errors
-    /// Names of nothing.
-    pub fn builtin(
-        scene: &str,
-        environment: &str,
-        (width, height): (u32, u32),
-        terminal: Terminal,
-    ) -> Result<Self, CliError> {
-        let scene = builtin::by_name(scene)?;
-        let camera = scene.cameras.first().cloned();
-        let aspect = width as f32 / height as f32;
-        Ok(Self {
-            camera: camera.unwrap_or_else(|| default_camera(&scene, aspect)),
-            scene,
-            environment: load_environment(&EnvironmentSpec::named(environment), terminal)?,
-            width,
-            height,
-            exposure: 0.0,
-        })
-    }
-}
-
-fn load_scene(name: &str, aspect: f32) -> Result<LoadedScene, CliError> {
-    if builtin::NAMES.contains(&name) {
-        let scene = builtin::by_name(name)?;
-        return Ok(LoadedScene { scene, environment: None, ground: Ground::None });
-    }
-    if !Path::new(name).exists() {
-        let names = builtin::NAMES.join(", ");
-        return Err(CliError::usage(format!(
-            "there is no scene '{name}': no such file, and the built-in ones are {names}"
-        )));
-    }
-    Ok(load(Path::new(name), &LoadOptions { aspect, ..LoadOptions::default() })?)
-}
-
-/// The command line's environment, or else the scene file's with what the command line changes.
-fn environment_spec(
-    args: &InputArgs,
-    own: Option<&EnvironmentSettings>,
-) -> Result<EnvironmentSpec, CliError> {
-    let name = match (&args.env, own.map(|own| &own.source)) {
-        (Some(name), _) => name.clone(),
-        (None, Some(EnvironmentSource::Builtin(name))) => name.clone(),
-        (None, Some(EnvironmentSource::File(path))) => path.to_string_lossy().into_owned(),
-        (None, None) => {
+        let look = &mut project.look;
+        if look.environment.source.is_none() {
             return Err(CliError::usage(format!(
                 "{} brings no environment: give one with --env (a file, or {})",
-                args.scene,
+                self.scene,
                 builtin_names()
             )));
         }
-    };
-    // A turn that the scene file gives belongs to its own environment.
-    let own_rotation = own.filter(|_| args.env.is_none()).map_or(0.0, |own| own.rotation_degrees);
-    Ok(EnvironmentSpec {
-        name,
-        projection: args.projection,
-        rotation_degrees: args.env_rotation.unwrap_or(own_rotation),
-    })
+        let environment = &mut look.environment;
+        environment.rotation = self.env_rotation.unwrap_or(environment.rotation);
+        if let Some(projection) = self.projection {
+            environment.projection = Some(projection.name().to_owned());
+        }
+        look.display.exposure = self.exposure.or(look.display.exposure);
+        if let Some(tone_mapping) = &self.tone_mapping {
+            look.display.tone_mapping.clone_from(tone_mapping);
+        }
+        if let Some(reflectance) = &self.reflectance {
+            look.reflectance = Some(reflectance.to_string());
+            look.surfaces.clear();
+        }
+        look.ground = self.ground.map_or(look.ground, Ground::from);
+        look.animation.clip = self.clip.clone().or(look.animation.clip.take());
+        look.animation.time = self.time.unwrap_or(look.animation.time);
+        if let Some(text) = &self.camera {
+            let is_named = project.scene.cameras.iter().any(|camera| camera.name == *text);
+            look.camera = match is_named {
+                true => CameraLook::Named(text.clone()),
+                false => CameraLook::Free(Camera::from_argument(text)?),
+            };
+        }
+        Ok(project)
+    }
+}
+
+/// Reads the environment, takes the pose, and tells what had to be repaired as warnings.
+///
+/// # Errors
+/// An environment that cannot be used, a clip or camera that the scene does not have.
+pub fn stage(project: Project, terminal: Terminal) -> Result<Stage, CliError> {
+    let mut stage = Stage::new(project)?;
+    stage.take_warnings().iter().for_each(|warning| terminal.warn(warning));
+    Ok(stage)
 }

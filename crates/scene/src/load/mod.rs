@@ -16,6 +16,8 @@ mod ply;
 mod tangents;
 mod toml;
 
+pub use toml::read_sections;
+
 pub(crate) use geometry::triangle_normal;
 
 /// A scene format that [`load`] reads.
@@ -85,7 +87,8 @@ impl Default for LoadOptions {
 }
 
 /// Where the environment comes from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum EnvironmentSource {
     /// A picture file.
     File(PathBuf),
@@ -100,8 +103,10 @@ pub struct EnvironmentSettings {
     pub source: EnvironmentSource,
     /// Turn about +y by the right-hand rule [degrees] (`CONVENTIONS.md`, `--env-rotation`).
     pub rotation_degrees: f32,
-    /// Exposure of the displayed picture [stops].
-    pub exposure_ev: f32,
+    /// Exposure of the displayed picture [stops]; `None` asks for what suits the environment.
+    pub exposure_ev: Option<f32>,
+    /// Name of the projection of the file, where its shape does not tell (the envmap crate knows them).
+    pub projection: Option<String>,
 }
 
 /// A scene with what its file says beside geometry.

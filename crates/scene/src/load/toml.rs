@@ -7,28 +7,50 @@ use std::path::Path;
 use ::toml::Spanned;
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
 
-use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadedScene, Source, load_within};
+use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, Source, load_within};
 use crate::camera::CameraSettings;
 use crate::error::{Fault, one_line};
 use crate::reflectance::excess;
-use crate::{Ground, Material, MaterialId, Node, ReflectanceSettings, Scene, builtin};
+use crate::{Ground, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene, SceneError, builtin};
 
 mod light;
 
 /// Reads a scene file and the models that it places.
 pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
-    let text = std::str::from_utf8(super::without_bom(source.bytes))
-        .map_err(|_| Fault::invalid("a scene file is UTF-8 text"))?;
+    let text = text_of(source.bytes)?;
     // The parsed document takes several times the size of its text.
     budget.take(text.len(), 16)?;
-    let file: SceneFile = ::toml::from_str(text).map_err(|error| {
+    let file: SceneFile = parse(text)?;
+    let reader = Reader { text, source };
+    reader.scene(&file, budget)
+}
+
+/// Those tables of a scene file that say how it is drawn, which [`super::load`] leaves alone: `T` has a field for each, with a default,
+/// and refuses no others. `None` for a file of another format.
+///
+/// # Errors
+/// [`SceneError::Io`], or [`SceneError::Invalid`] with the line that `T` refuses.
+pub fn read_sections<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, SceneError> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return Ok(None);
+    }
+    let mut budget = Budget::new(LoadOptions::default().memory_limit);
+    let read = super::read_file(path, &mut budget).and_then(|bytes| parse(text_of(&bytes)?));
+    read.map(Some).map_err(|fault| fault.at(path))
+}
+
+fn text_of(bytes: &[u8]) -> Result<&str, Fault> {
+    std::str::from_utf8(super::without_bom(bytes)).map_err(|_| Fault::invalid("a scene file is UTF-8 text"))
+}
+
+fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
+    ::toml::from_str(text).map_err(|error| {
         let at =
             error.span().map_or_else(String::new, |span| format!("line {}: ", line_of(text, span.start)));
         Fault::Invalid(format!("{at}{}", error.message()))
-    })?;
-    let reader = Reader { text, source };
-    reader.scene(&file, budget)
+    })
 }
 
 #[derive(Deserialize)]
@@ -43,6 +65,17 @@ struct SceneFile {
     model: Vec<Spanned<ModelEntry>>,
     #[serde(default)]
     light: Vec<Spanned<light::LightEntry>>,
+    // How the scene is drawn is read by whoever draws it, through `read_sections`.
+    #[serde(rename = "fit")]
+    _fit: Option<IgnoredAny>,
+    #[serde(rename = "render")]
+    _render: Option<IgnoredAny>,
+    #[serde(rename = "display")]
+    _display: Option<IgnoredAny>,
+    #[serde(rename = "animation")]
+    _animation: Option<IgnoredAny>,
+    #[serde(rename = "surface")]
+    _surface: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -53,7 +86,28 @@ struct EnvironmentEntry {
     #[serde(default)]
     rotation: f32,
     #[serde(default)]
-    exposure: f32,
+    exposure: Exposure,
+    projection: Option<String>,
+}
+
+/// Stops, or the word for what suits the environment.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "exposure is a number of stops or \"automatic\"")]
+enum Exposure {
+    Stops(f32),
+    Automatic(Automatic),
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Automatic {
+    Automatic,
+}
+
+impl Default for Exposure {
+    fn default() -> Self {
+        Self::Stops(0.0)
+    }
 }
 
 #[derive(Deserialize)]
@@ -61,6 +115,7 @@ struct EnvironmentEntry {
 struct ModelEntry {
     file: Option<String>,
     builtin: Option<String>,
+    ground: Option<bool>,
     name: Option<String>,
     #[serde(default)]
     translation: [f32; 3],
@@ -144,11 +199,18 @@ impl Reader<'_> {
                 (loaded.scene, super::stem(Path::new(file)))
             }
             (None, Some(name)) => {
-                let builtin = builtin::without_ground(name);
+                let with_ground = model.ground == Some(true);
+                let builtin =
+                    if with_ground { builtin::by_name(name) } else { builtin::without_ground(name) };
                 (builtin.map_err(|error| self.at(spanned, error.to_string()))?, name.clone())
             }
             _ => return Err(self.at(spanned, "a model has either 'file' or 'builtin'".to_owned())),
         };
+        if model.ground.is_some() && model.builtin.is_none() {
+            return Err(self.at(spanned, "only a built-in model has a 'ground' to bring".to_owned()));
+        }
+        // The root of the model comes first.
+        let ground = placed.ground.map(|node| NodeId(node.0 + 1 + scene.nodes.len()));
         if let Some(material) = &model.material {
             let id = materials.get(material.as_str()).ok_or_else(|| {
                 self.at(spanned, format!("there is no [material.{}] in this file", one_line(material)))
@@ -163,6 +225,7 @@ impl Reader<'_> {
         } else {
             scene.append(placed, self.root(spanned, name)?);
         }
+        scene.ground = scene.ground.or(ground);
         Ok(())
     }
 
@@ -224,10 +287,15 @@ impl Reader<'_> {
             (None, Some(name)) => EnvironmentSource::Builtin(name.clone()),
             _ => return Err(self.at(spanned, "an environment has either 'file' or 'builtin'".to_owned())),
         };
-        if !(entry.rotation.is_finite() && entry.exposure.is_finite()) {
+        let exposure_ev = match entry.exposure {
+            Exposure::Stops(stops) => Some(stops),
+            Exposure::Automatic(Automatic::Automatic) => None,
+        };
+        if !(entry.rotation.is_finite() && exposure_ev.is_none_or(f32::is_finite)) {
             return Err(self.at(spanned, "rotation and exposure must be finite".to_owned()));
         }
-        Ok(EnvironmentSettings { source, rotation_degrees: entry.rotation, exposure_ev: entry.exposure })
+        let projection = entry.projection.as_deref().map(one_line);
+        Ok(EnvironmentSettings { source, rotation_degrees: entry.rotation, exposure_ev, projection })
     }
 
     fn at<T>(&self, spanned: &Spanned<T>, message: String) -> Fault {

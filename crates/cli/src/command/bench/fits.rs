@@ -3,7 +3,7 @@ use gnomon::lights::bench::{sampler_errors, time_fits};
 use serde_json::json;
 
 use crate::error::CliError;
-use crate::options::{EnvironmentSpec, load_environment};
+use crate::options::load_environment;
 use crate::output;
 use crate::terminal::{Terminal, print};
 
@@ -36,7 +36,7 @@ const COUNTS: [usize; 4] = [16, 64, 256, 1024];
 /// # Errors
 /// An environment that cannot be read or fitted.
 pub fn run(args: &FitsArgs, terminal: Terminal) -> Result<(), CliError> {
-    let map = load_environment(&EnvironmentSpec::named(&args.environment), terminal)?;
+    let map = load_environment(&args.environment, None, 0.0, terminal)?;
     let spinner = terminal.spinner("fitting");
     let timings = time_fits(&map, args.repeats as usize)?;
     let errors = sampler_errors(&map, &COUNTS)?;

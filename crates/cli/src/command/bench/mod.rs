@@ -20,6 +20,8 @@ enum Bench {
     Convolution(suite::SuiteArgs),
     /// Make the evaluation of subtractive shadows (DeCoro and Rusinkiewicz 2008) again, and look for the best setting of all
     Subtractive(suite::SuiteArgs),
+    /// Measure what motion costs, and how long another environment takes
+    Motion(suite::SuiteArgs),
 }
 
 /// Runs the command.
@@ -31,5 +33,6 @@ pub fn run(args: &BenchArgs, terminal: Terminal) -> Result<(), CliError> {
         Bench::Fits(args) => fits::run(args, terminal),
         Bench::Convolution(args) => suite::run("convolution", args, terminal),
         Bench::Subtractive(args) => suite::run("subtractive", args, terminal),
+        Bench::Motion(args) => suite::run("motion", args, terminal),
     }
 }

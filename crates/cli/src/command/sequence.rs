@@ -1,0 +1,117 @@
+//! What render and reference do for a sequence.
+
+use std::path::Path;
+
+use gnomon::image::RgbImage;
+use gnomon::image::tonemap::{ToneMapping, tone_mapped};
+use gnomon::reference::{self, ReferenceOptions};
+use gnomon::renderer::{Gpu, GpuOptions};
+use gnomon::studio::{Film, FrameFiles, Look, Sequence, SequenceRun, Stage, Studio};
+use serde_json::{Value, json};
+
+use crate::error::CliError;
+use crate::options::SequenceArgs;
+use crate::output;
+use crate::terminal::Terminal;
+
+/// Draws a sequence on the GPU.
+///
+/// # Errors
+/// No adapter, pictures of other settings under the same names, unwritable files, no ffmpeg for a film.
+pub fn render(
+    args: &SequenceArgs,
+    output: &Path,
+    options: &GpuOptions,
+    stage: Stage,
+    terminal: Terminal,
+) -> Result<(), CliError> {
+    let gpu = Gpu::new(options)?;
+    let job = Job::new(args, output, &stage, json!({ "gpu": gpu.adapter().name }))?;
+    let [width, height] = stage.look().display.size;
+    let mut studio = Studio::new(&gpu, stage)?;
+    job.run(terminal, |look| {
+        studio.set_look(look)?;
+        Ok(studio.frame(width, height)?.radiance)
+    })
+}
+
+/// Ray-traces a sequence.
+///
+/// # Errors
+/// As [`render`], but for the adapter.
+pub fn reference(
+    args: &SequenceArgs,
+    output: &Path,
+    options: &ReferenceOptions<'_>,
+    mut stage: Stage,
+    terminal: Terminal,
+) -> Result<(), CliError> {
+    let how = json!({ "samples_per_pixel": options.samples_per_pixel, "seed": options.seed });
+    let job = Job::new(args, output, &stage, how)?;
+    job.run(terminal, |look| {
+        stage.set_look(look)?;
+        let (scene, camera) = stage.for_reference()?;
+        Ok(reference::render(&scene, &camera, stage.environment(), options)?.mean)
+    })
+}
+
+/// Frames to be drawn and where they go.
+struct Job {
+    sequence: Sequence,
+    sink: Sink,
+    /// Frames that are still to be drawn.
+    frames: Vec<u32>,
+    kept: usize,
+    display: (f32, ToneMapping),
+}
+
+enum Sink {
+    Pictures(SequenceRun),
+    Film(Film),
+}
+
+impl Job {
+    fn new(args: &SequenceArgs, output: &Path, stage: &Stage, how: Value) -> Result<Self, CliError> {
+        let (sequence, frames) = args.sequence(stage)?;
+        let display = (stage.exposure(), stage.look().display.tone_mapping()?);
+        let count = frames.clone().count();
+        let (sink, frames) = if output::is_film(output) {
+            let film = Film::start(output, stage.look().display.size, args.frames_per_second())?;
+            (Sink::Film(film), frames.collect())
+        } else {
+            let description = sequence.description(stage, how);
+            let run = SequenceRun::open(FrameFiles::new(output)?, frames, description, args.overwrite())?;
+            let missing = run.missing().to_vec();
+            (Sink::Pictures(run), missing)
+        };
+        Ok(Self { sequence, sink, kept: count - frames.len(), frames, display })
+    }
+
+    fn run(
+        mut self,
+        terminal: Terminal,
+        mut draw: impl FnMut(Look) -> Result<RgbImage, CliError>,
+    ) -> Result<(), CliError> {
+        if self.kept > 0 {
+            terminal.note(&format!("{} frames are there already, {} to draw", self.kept, self.frames.len()));
+        }
+        let bar = terminal.bar("frames");
+        for (done, &frame) in self.frames.iter().enumerate() {
+            bar.set(done as f32 / self.frames.len() as f32);
+            bar.tell(&format!("frame {frame}"));
+            let radiance = draw(self.sequence.look(frame))?;
+            match &mut self.sink {
+                Sink::Pictures(run) => {
+                    output::write_radiance(&run.path(frame), &radiance, self.display)?;
+                    run.finish(frame)?;
+                }
+                Sink::Film(film) => film.add(&tone_mapped(&radiance, self.display.1, self.display.0))?,
+            }
+        }
+        drop(bar);
+        match self.sink {
+            Sink::Film(film) => Ok(film.finish()?),
+            Sink::Pictures(_) => Ok(()),
+        }
+    }
+}

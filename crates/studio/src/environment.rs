@@ -1,0 +1,115 @@
+//! Environments by name, lights for them, and both worked out for a renderer.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gnomon_envmap::{Equirect, builtin, load};
+use gnomon_lights::{LightSet, fit};
+use gnomon_renderer::{PreparedLighting, RenderSettings};
+use gnomon_scene::EnvironmentSource;
+
+use crate::look::{EnvironmentLook, FitLook};
+use crate::{Look, Stage, StudioError};
+
+/// What a name means: a built-in environment, or else a file. Whoever means a file called like a built-in one writes `./room`.
+pub fn environment_named(name: &str) -> EnvironmentSource {
+    match builtin::names().any(|builtin| builtin == name) {
+        true => EnvironmentSource::Builtin(name.to_owned()),
+        false => EnvironmentSource::File(PathBuf::from(name)),
+    }
+}
+
+/// Reads or makes an environment as it is, not turned; with what had to be repaired, a line each.
+///
+/// # Errors
+/// Unreadable files, pictures of no known layout, names of nothing.
+pub fn load_environment(look: &EnvironmentLook) -> Result<(Equirect, Vec<String>), StudioError> {
+    let projection = look.projection()?;
+    let names = || builtin::names().collect::<Vec<_>>().join(", ");
+    match &look.source {
+        None => Err(StudioError::Request(format!(
+            "there is no environment: give one with --env (a file, or {})",
+            names()
+        ))),
+        Some(EnvironmentSource::Builtin(name)) => {
+            let map = builtin::by_name(name).ok_or_else(|| no_environment(name, &names()))?;
+            Ok((map, Vec::new()))
+        }
+        Some(EnvironmentSource::File(path)) => {
+            let environment = load(Path::new(path), projection).map_err(|error| match path.exists() {
+                true => error.into(),
+                false => no_environment(&path.to_string_lossy(), &names()),
+            })?;
+            let warnings =
+                environment.warnings().iter().map(|w| format!("{}: {w}", path.display())).collect();
+            Ok((environment.map, warnings))
+        }
+    }
+}
+
+fn no_environment(name: &str, names: &str) -> StudioError {
+    StudioError::Request(format!(
+        "there is no environment '{}': no such file, and the built-in ones are {names}",
+        crate::error::one_line(name)
+    ))
+}
+
+/// Lights and ambient rest of an environment.
+///
+/// # Errors
+/// Unknown fit, option out of range.
+pub fn fit_lights(fit: &FitLook, environment: &Equirect) -> Result<LightSet, StudioError> {
+    if fit.method == "none" {
+        return Ok(LightSet::new("none", Vec::new(), environment.clone()));
+    }
+    Ok(fit::by_name(&fit.method, &fit.options()?)?.fit(environment)?)
+}
+
+/// An environment, or where to get it.
+pub(crate) enum MapSource {
+    Loaded(Arc<Equirect>),
+    Unread,
+}
+
+/// What is to be worked out, on any thread.
+pub(crate) struct LightingRequest {
+    pub map: MapSource,
+    /// Environment, fit and the treatment of the ambient rest count.
+    pub look: Look,
+}
+
+/// An environment ready for a renderer.
+pub(crate) struct LightingResult {
+    pub map: Arc<Equirect>,
+    pub lights: LightSet,
+    pub prepared: PreparedLighting,
+    pub warnings: Vec<String>,
+    /// What it was made for.
+    pub look: Look,
+}
+
+/// Reads where that is needed, fits and filters.
+pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, StudioError> {
+    let LightingRequest { map, look } = request;
+    let (map, warnings) = match map {
+        MapSource::Loaded(map) => (map, Vec::new()),
+        MapSource::Unread => {
+            let (map, warnings) = load_environment(&look.environment)?;
+            (Arc::new(map), warnings)
+        }
+    };
+    let lights = fit_lights(&look.fit, &map)?;
+    let settings = RenderSettings {
+        ambient: look.render.ambient.clone(),
+        ambient_cells: look.render.ambient_cells,
+        ..RenderSettings::default()
+    };
+    let prepared = PreparedLighting::new(&map, &lights, &settings)?;
+    Ok(LightingResult { map, lights, prepared, warnings, look })
+}
+
+/// The lighting of a stage.
+pub(crate) fn work_out_stage(stage: &Stage) -> Result<LightingResult, StudioError> {
+    let map = MapSource::Loaded(Arc::clone(stage.environment()));
+    work_out(LightingRequest { map, look: stage.look().clone() })
+}

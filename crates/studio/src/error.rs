@@ -1,0 +1,70 @@
+use std::io;
+use std::path::PathBuf;
+
+use gnomon_envmap::EnvMapError;
+use gnomon_image::ImageError;
+use gnomon_lights::FitError;
+use gnomon_metrics::MetricsError;
+use gnomon_reference::ReferenceError;
+use gnomon_renderer::RenderError;
+use gnomon_scene::SceneError;
+
+/// Why something did not come about. Each is one line that names who is at fault and, where there is one, the way out.
+#[derive(Debug, thiserror::Error)]
+pub enum StudioError {
+    /// What was asked for does not exist or makes no sense.
+    #[error("{0}")]
+    Request(String),
+    /// A file could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The scene cannot be used.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The environment cannot be used.
+    #[error(transparent)]
+    Environment(#[from] EnvMapError),
+    /// The lights cannot be fitted.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The reference cannot be traced.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// The pictures cannot be compared.
+    #[error(transparent)]
+    Metrics(#[from] MetricsError),
+    /// A picture could not be read or written.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// A thread of the library ended before its work was done: a fault of this library.
+    #[error("{0} ended unexpectedly")]
+    Thread(&'static str),
+}
+
+impl StudioError {
+    /// A name that stands for nothing.
+    pub(crate) fn unknown(what: &str, name: &str, known: &[&str]) -> Self {
+        Self::Request(format!("unknown {what} `{}`; choose one of: {}", one_line(name), known.join(", ")))
+    }
+}
+
+/// Text of a user on one line.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split(|c: char| c.is_whitespace() || c.is_control()).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,43 @@
+//! What `gnomon render`, sequences and the viewer share, so that all make the same picture.
+//!
+//! [`Look`] is every choice that a picture depends on beside the scene, as plain data. [`Project`] is a scene with the look that its file asks
+//! for, [`Stage`] the scene in its pose under its environment, [`Studio`] a live session on a device:
+//!
+//! ```no_run
+//! use gnomon_renderer::{Gpu, GpuOptions};
+//! use gnomon_studio::{Look, Project, Stage, Studio, environment_named};
+//!
+//! # fn main() -> Result<(), gnomon_studio::StudioError> {
+//! let mut project = Project::open("robot.glb", Look::default(), None)?;
+//! project.set_environment(environment_named("room"));
+//! let gpu = Gpu::new(&GpuOptions::default())?;
+//! let mut studio = Studio::new(&gpu, Stage::new(project)?)?;
+//! studio.edit(|look| look.environment.rotation = 30.0)?;
+//! let picture = studio.frame(1024, 768)?; // picture.radiance, picture.display
+//! # Ok(())
+//! # }
+//! ```
+
+mod converging;
+mod environment;
+mod error;
+mod job;
+mod look;
+mod pose;
+mod project;
+mod save;
+mod sequence;
+mod stage;
+mod studio;
+
+pub use converging::ReferencePicture;
+pub use environment::{environment_named, fit_lights, load_environment};
+pub use error::StudioError;
+pub use look::{
+    AnimationLook, CameraLook, DisplayLook, EnvironmentLook, FitLook, Look, PrefilterName, RenderLook,
+    SizingName,
+};
+pub use project::{Project, SceneSource};
+pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
+pub use stage::Stage;
+pub use studio::{Studio, Update};

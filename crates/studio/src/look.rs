@@ -1,0 +1,319 @@
+//! Everything that a picture depends on beside the scene, as plain data.
+
+use std::collections::BTreeMap;
+
+use gnomon_envmap::Projection;
+use gnomon_image::tonemap::ToneMapping;
+use gnomon_lights::FitOptions;
+use gnomon_lights::fit::{by_name, sampler_by_name};
+use gnomon_renderer::shadow::{ConvolutionSettings, Prefilter, ShadowSettings};
+use gnomon_renderer::{RenderSettings, ShadowSizing};
+use gnomon_scene::{Camera, EnvironmentSource, Ground};
+use serde::{Deserialize, Serialize};
+
+use crate::StudioError;
+
+/// How a scene is looked at. The default is what `gnomon render` does without options.
+///
+/// The tables of a scene file (`SCENE_FORMAT.md`) are its parts: `[fit]`, `[render]`, `[display]` and `[animation]` by their own fields,
+/// `[environment]`, `[camera]`, `ground` and `[[surface]]` as that format has them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Look {
+    /// Which lights stand for the environment.
+    pub fit: FitLook,
+    /// How the GPU draws.
+    pub render: RenderLook,
+    /// How radiance is shown.
+    pub display: DisplayLook,
+    /// What lights the scene.
+    pub environment: EnvironmentLook,
+    /// From where it is seen.
+    pub camera: CameraLook,
+    /// Its pose.
+    pub animation: AnimationLook,
+    /// What lies under the models.
+    pub ground: Ground,
+    /// Reflectance of every material but the ground's, as `MODEL:KEY=VALUE,...` (see [`gnomon_scene::ReflectanceSettings`]).
+    pub reflectance: Option<String>,
+    /// Reflectance of single materials, by their number in the scene with its ground; goes before `reflectance`.
+    pub surfaces: BTreeMap<usize, String>,
+}
+
+/// How lights are fitted to the environment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitLook {
+    /// One of [`gnomon_lights::fit::methods`], or `none` for ambient light only.
+    pub method: String,
+    /// Number of lights; `None` leaves it to the fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light_count: Option<usize>,
+    /// Where the fit stops, above 0 and below 1, instead of a number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<f32>,
+    /// Largest angular width and height of a light [degrees].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_extent: Option<f32>,
+    /// One of [`gnomon_lights::fit::samplers`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampler: Option<String>,
+    /// Seed of random samplers.
+    pub seed: u64,
+}
+
+impl Default for FitLook {
+    /// The fit that leaves no light unshadowed, so that the picture's error stays small under every environment measured.
+    fn default() -> Self {
+        Self {
+            method: "partition".to_owned(),
+            light_count: None,
+            threshold: None,
+            max_extent: None,
+            sampler: None,
+            seed: 0,
+        }
+    }
+}
+
+impl FitLook {
+    /// What the fits take.
+    ///
+    /// # Errors
+    /// [`StudioError::Fit`] for a sampler that does not exist.
+    pub fn options(&self) -> Result<FitOptions, StudioError> {
+        Ok(FitOptions {
+            light_count: self.light_count,
+            threshold: self.threshold,
+            max_extent: self.max_extent.map(f32::to_radians),
+            sampler: self.sampler.as_deref().map(sampler_by_name).transpose()?,
+            seed: self.seed,
+        })
+    }
+
+    /// Whether there is such a fit, and its options are in range.
+    pub(crate) fn check(&self) -> Result<(), StudioError> {
+        let options = self.options()?;
+        if self.method != "none" {
+            by_name(&self.method, &options)?;
+        }
+        Ok(())
+    }
+}
+
+/// How convolution shadows are filtered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PrefilterName {
+    /// Mip chains.
+    #[default]
+    Mip,
+    /// Summed-area tables.
+    Sat,
+}
+
+/// How large the lights' shadow maps are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SizingName {
+    /// The wider the light, the coarser its map.
+    #[default]
+    Footprint,
+    /// All alike.
+    Uniform,
+}
+
+/// Techniques and sizes: the part of [`RenderSettings`] that people choose.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RenderLook {
+    /// One of [`gnomon_renderer::shadow::names`].
+    pub shadows: String,
+    /// One of [`gnomon_renderer::composite::COMPOSITINGS`].
+    pub compositing: String,
+    /// One of [`gnomon_renderer::unshadowed::UNSHADOWED`].
+    pub unshadowed: String,
+    /// One of [`gnomon_renderer::ambient::AMBIENTS`].
+    pub ambient: String,
+    /// Lights or probes that the ambient rest may become, 6 to 4096.
+    pub ambient_cells: usize,
+    /// Texels along the side of the largest shadow map: a power of two, 16 to 8192.
+    pub shadow_resolution: u32,
+    /// How that becomes the size of each light's map.
+    pub shadow_sizing: SizingName,
+    /// Memory for shadow maps and their images [MiB].
+    pub shadow_memory: u32,
+    /// Samples along the side of a tile of the shadow buffer: 1, 2, 4, 8, 16 or 32.
+    pub shadow_sampling: u32,
+    /// Terms of the convolution shadows' series, 1 to 16.
+    pub order: u32,
+    /// How convolution shadows are filtered.
+    pub prefilter: PrefilterName,
+    /// Places where convolution shadows look for near blockers, 0 to 64; 0 is the paper's method alone.
+    pub contact_samples: u32,
+    /// Samples along a pixel's side, 1 to 8.
+    pub supersample: u32,
+}
+
+impl Default for RenderLook {
+    fn default() -> Self {
+        let settings = RenderSettings::default();
+        let convolution = settings.shadow_settings.convolution;
+        Self {
+            shadows: settings.shadows,
+            compositing: settings.compositing,
+            unshadowed: settings.unshadowed,
+            ambient: settings.ambient,
+            ambient_cells: settings.ambient_cells,
+            shadow_resolution: settings.shadow_resolution,
+            shadow_sizing: SizingName::default(),
+            shadow_memory: (settings.shadow_memory_bytes >> 20) as u32,
+            shadow_sampling: settings.shadow_sampling,
+            order: convolution.order,
+            prefilter: PrefilterName::default(),
+            contact_samples: convolution.contact_samples,
+            supersample: settings.samples,
+        }
+    }
+}
+
+/// How radiance becomes a displayed picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DisplayLook {
+    /// Width and height [pixels].
+    pub size: [u32; 2],
+    /// Stops of exposure; `None` brings the environment's mean to 0.5, so that pictures of a moving scene keep one exposure. In a scene
+    /// file it is the environment's.
+    #[serde(skip)]
+    pub exposure: Option<f32>,
+    /// Name of a [`ToneMapping`].
+    pub tone_mapping: String,
+    /// Show the environment behind the scene.
+    pub background: bool,
+}
+
+impl Default for DisplayLook {
+    fn default() -> Self {
+        Self {
+            size: [1024, 768],
+            exposure: None,
+            tone_mapping: ToneMapping::default().name().to_owned(),
+            background: true,
+        }
+    }
+}
+
+impl DisplayLook {
+    /// Width over height.
+    pub fn aspect(&self) -> f32 {
+        let [width, height] = self.size.map(|side| side.max(1) as f32);
+        width / height
+    }
+
+    /// The tone mapping.
+    ///
+    /// # Errors
+    /// [`StudioError::Request`] listing those that exist.
+    pub fn tone_mapping(&self) -> Result<ToneMapping, StudioError> {
+        ToneMapping::from_name(&self.tone_mapping).ok_or_else(|| {
+            let names: Vec<_> = ToneMapping::ALL.iter().map(|rule| rule.name()).collect();
+            StudioError::unknown("tone mapping", &self.tone_mapping, &names)
+        })
+    }
+}
+
+/// Which environment, and how it is turned.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EnvironmentLook {
+    /// A file or a built-in environment.
+    pub source: Option<EnvironmentSource>,
+    /// Name of the file's [`Projection`], where its shape does not tell.
+    pub projection: Option<String>,
+    /// Turn about +y by the right-hand rule [degrees].
+    pub rotation: f32,
+}
+
+impl EnvironmentLook {
+    /// The forced projection, if there is one.
+    ///
+    /// # Errors
+    /// [`StudioError::Request`] listing those that exist.
+    pub fn projection(&self) -> Result<Option<Projection>, StudioError> {
+        let named = |name: &String| {
+            Projection::from_name(name).ok_or_else(|| {
+                let names: Vec<_> = Projection::all().map(Projection::name).collect();
+                StudioError::unknown("projection", name, &names)
+            })
+        };
+        self.projection.as_ref().map(named).transpose()
+    }
+}
+
+/// Which view of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CameraLook {
+    /// The scene's first camera, or else one that frames its rest pose.
+    #[default]
+    Automatic,
+    /// One of the scene's, by name.
+    Named(String),
+    /// This one.
+    Free(Camera),
+}
+
+/// Which pose of an animated scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AnimationLook {
+    /// A clip by its name, or by its number from 0 where none has that name; `None` is the file's own pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip: Option<String>,
+    /// Time in the clip [s]; what lies beyond its end starts from the beginning again.
+    pub time: f32,
+}
+
+impl Look {
+    /// The renderer's settings, for an environment whose suitable exposure is `automatic_exposure` [stops].
+    ///
+    /// # Errors
+    /// [`StudioError::Request`] for names of nothing; ranges are the renderer's to check.
+    pub fn settings(&self, automatic_exposure: f32) -> Result<RenderSettings, StudioError> {
+        let render = &self.render;
+        let paper = render.contact_samples == 0;
+        let convolution = if paper { ConvolutionSettings::paper() } else { ConvolutionSettings::default() };
+        Ok(RenderSettings {
+            shadows: render.shadows.clone(),
+            shadow_settings: ShadowSettings {
+                convolution: ConvolutionSettings {
+                    contact_samples: render.contact_samples,
+                    order: render.order,
+                    prefilter: match render.prefilter {
+                        PrefilterName::Mip => Prefilter::MipChain,
+                        PrefilterName::Sat => Prefilter::SummedAreaTable,
+                    },
+                    ..convolution
+                },
+                ..ShadowSettings::default()
+            },
+            shadow_sizing: match render.shadow_sizing {
+                SizingName::Footprint => ShadowSizing::Footprint,
+                SizingName::Uniform => ShadowSizing::Uniform,
+            },
+            shadow_memory_bytes: u64::from(render.shadow_memory) << 20,
+            ambient: render.ambient.clone(),
+            ambient_cells: render.ambient_cells,
+            compositing: render.compositing.clone(),
+            unshadowed: render.unshadowed.clone(),
+            shadow_resolution: render.shadow_resolution,
+            samples: render.supersample,
+            shadow_sampling: render.shadow_sampling,
+            exposure_ev: self.display.exposure.unwrap_or(automatic_exposure),
+            tone_mapping: self.display.tone_mapping()?,
+            background: self.display.background,
+            ..RenderSettings::default()
+        })
+    }
+}

@@ -1,0 +1,42 @@
+use gnomon_scene::Scene;
+
+use crate::StudioError;
+use crate::look::AnimationLook;
+
+/// The clip that plays where none is named: the first.
+pub(crate) fn first_clip(scene: &Scene) -> Option<String> {
+    // By number: names may be empty, or there twice.
+    (!scene.animations.is_empty()).then(|| "0".to_owned())
+}
+
+/// Takes the pose that a look asks for; a scene is at rest where it asks for no clip.
+pub(crate) fn pose(scene: &mut Scene, look: &AnimationLook) -> Result<(), StudioError> {
+    let Some(name) = &look.clip else {
+        scene.rest();
+        return Ok(());
+    };
+    let clip = clip_index(scene, name)?;
+    if !look.time.is_finite() {
+        return Err(StudioError::Request(format!("a clip has no time {}", look.time)));
+    }
+    let duration = scene.animations[clip].duration();
+    // The end itself is the last pose, not the first again.
+    let is_beyond = duration > 0.0 && !(0.0..=duration).contains(&look.time);
+    Ok(scene.animate(clip, if is_beyond { look.time.rem_euclid(duration) } else { look.time })?)
+}
+
+/// The clip of that name, or else of that number from 0.
+fn clip_index(scene: &Scene, name: &str) -> Result<usize, StudioError> {
+    let by_name = scene.animations.iter().position(|clip| clip.name == name);
+    let by_number = || name.parse().ok().filter(|&number: &usize| number < scene.animations.len());
+    by_name.or_else(by_number).ok_or_else(|| {
+        if scene.animations.is_empty() {
+            return StudioError::Request(format!(
+                "there is no clip '{}': the scene has none",
+                crate::error::one_line(name)
+            ));
+        }
+        let names: Vec<_> = scene.animations.iter().map(|clip| clip.name.as_str()).collect();
+        StudioError::unknown("clip", name, &names)
+    })
+}

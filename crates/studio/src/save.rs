@@ -1,0 +1,206 @@
+//! Scene files that bring the same picture.
+
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+use gnomon_image::atomic;
+use gnomon_scene::{Camera, EnvironmentSource, Ground};
+use serde::Serialize;
+use toml::{Table, Value};
+
+use crate::look::{AnimationLook, CameraLook, DisplayLook, FitLook, RenderLook};
+use crate::{SceneSource, Stage, Studio, StudioError};
+
+/// The tables of a scene file that a look decides, in the order in which they are written.
+#[derive(Serialize)]
+struct LookTables<'a> {
+    ground: Ground,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera: Option<Camera>,
+    environment: EnvironmentTable,
+    fit: &'a FitLook,
+    render: &'a RenderLook,
+    display: &'a DisplayLook,
+    animation: &'a AnimationLook,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    surface: Vec<SurfaceTable<'a>>,
+}
+
+#[derive(Serialize)]
+struct EnvironmentTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    builtin: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    projection: Option<String>,
+    rotation: f32,
+    exposure: Exposure,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Exposure {
+    Stops(f32),
+    Word(&'static str),
+}
+
+#[derive(Serialize)]
+struct SurfaceTable<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<usize>,
+    reflectance: &'a str,
+}
+
+/// Keys of a scene file that [`LookTables`] replaces.
+const REPLACED: [&str; 8] =
+    ["ground", "camera", "environment", "fit", "render", "display", "animation", "surface"];
+
+impl Stage {
+    /// Writes a scene file of which `gnomon render` makes the same picture. Models and maps stay where they are: the file names them, by
+    /// paths relative to itself where that can be.
+    ///
+    /// # Errors
+    /// [`StudioError::Request`] for a scene or an environment that no file can name; a scene file that is no longer there; files that cannot
+    /// be written.
+    pub fn save_scene(&self, path: &Path) -> Result<(), StudioError> {
+        let text = self.scene_file(path)?;
+        atomic::write::<io::Error>(path, |file| file.write_all(text.as_bytes()))
+            .map_err(|source| StudioError::Write { path: path.to_owned(), source })
+    }
+
+    fn scene_file(&self, path: &Path) -> Result<String, StudioError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut scene = self.scene_tables(folder)?;
+        REPLACED.iter().for_each(|key| drop(scene.remove(*key)));
+        let look = self.look();
+        let environment = &look.environment;
+        let (file, builtin) = match &environment.source {
+            Some(EnvironmentSource::File(file)) => (Some(relative(file, folder)?), None),
+            Some(EnvironmentSource::Builtin(name)) => (None, Some(name.clone())),
+            None => {
+                return Err(StudioError::Request("an environment without a file cannot be saved".to_owned()));
+            }
+        };
+        let all = look.reflectance.as_deref().map(|reflectance| SurfaceTable { material: None, reflectance });
+        let single = look.surfaces.iter().map(|(&material, reflectance)| SurfaceTable {
+            material: Some(material),
+            reflectance: reflectance.as_str(),
+        });
+        let tables = LookTables {
+            ground: look.ground,
+            // A camera of an animated node is found again by the order of cameras, others by what they are.
+            camera: match look.camera {
+                CameraLook::Automatic if self.scene().cameras.is_empty() => None,
+                _ => Some(self.camera()?),
+            },
+            environment: EnvironmentTable {
+                file,
+                builtin,
+                projection: environment.projection.clone(),
+                rotation: environment.rotation,
+                exposure: look.display.exposure.map_or(Exposure::Word("automatic"), Exposure::Stops),
+            },
+            fit: &look.fit,
+            render: &look.render,
+            display: &look.display,
+            animation: &look.animation,
+            surface: all.into_iter().chain(single).collect(),
+        };
+        let written = |error: toml::ser::Error| {
+            StudioError::Request(format!("the scene cannot be written as TOML: {error}"))
+        };
+        let tables = toml::to_string(&tables).map_err(written)?;
+        let scene = toml::to_string(&scene).map_err(written)?;
+        Ok(format!("# A Gnomon scene. SCENE_FORMAT.md describes every key.\n\n{tables}\n{scene}"))
+    }
+
+    /// What is in the scene, for a file in `folder`.
+    fn scene_tables(&self, folder: &Path) -> Result<Table, StudioError> {
+        let mut model = Table::new();
+        match self.source() {
+            SceneSource::File(path) if is_scene_file(path) => return read_tables(path, folder),
+            SceneSource::File(path) => drop(model.insert("file".to_owned(), relative(path, folder)?.into())),
+            SceneSource::Builtin(name) => {
+                model.insert("builtin".to_owned(), name.clone().into());
+                model.insert("ground".to_owned(), true.into());
+            }
+        }
+        Ok(Table::from_iter([("model".to_owned(), Value::from(vec![Value::from(model)]))]))
+    }
+}
+
+impl Studio {
+    /// [`Stage::save_scene`] of what is shown.
+    ///
+    /// # Errors
+    /// As [`Stage::save_scene`].
+    pub fn save_scene(&self, path: &Path) -> Result<(), StudioError> {
+        self.stage().save_scene(path)
+    }
+}
+
+fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// The tables of a scene file, its models' paths seen from `folder`.
+fn read_tables(path: &Path, folder: &Path) -> Result<Table, StudioError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| StudioError::Read { path: path.to_owned(), source })?;
+    let mut tables: Table =
+        text.trim_start_matches('\u{feff}').parse().map_err(|error: toml::de::Error| {
+            let words = crate::error::one_line(error.message());
+            StudioError::Request(format!("{} is no scene file any more: {words}", path.display()))
+        })?;
+    let own = path.parent().unwrap_or(Path::new(""));
+    let models = tables.get_mut("model").and_then(Value::as_array_mut);
+    for model in models.into_iter().flatten().filter_map(Value::as_table_mut) {
+        if let Some(Value::String(file)) = model.get_mut("file") {
+            *file = relative(&own.join(&*file), folder)?;
+        }
+    }
+    Ok(tables)
+}
+
+/// A path as seen from a folder, with `/`; absolute where there is no way from the one to the other.
+fn relative(path: &Path, folder: &Path) -> Result<String, StudioError> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    // Links are followed where things exist, so that `..` leads where it should.
+    let absolute = |path: &Path| {
+        std::fs::canonicalize(path)
+            .or_else(|_| std::path::absolute(path))
+            .map_err(|source| StudioError::Read { path: path.to_owned(), source })
+    };
+    let (path, folder) = (absolute(path)?, absolute(folder)?);
+    let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let above = || folder.components().skip(common);
+    let no_way = common == 0 || above().any(|part| !matches!(part, Component::Normal(_)));
+    let way: PathBuf = match no_way {
+        true => path,
+        false => above().map(|_| Component::ParentDir).chain(path.components().skip(common)).collect(),
+    };
+    let text = way.to_str().ok_or_else(|| {
+        StudioError::Request(format!("{} cannot be named in a scene file: it is no text", way.display()))
+    })?;
+    Ok(if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_seen_from_the_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("a/b");
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::create_dir_all(root.path().join("c")).unwrap();
+        for (file, expected) in
+            [("a/b/x.obj", "x.obj"), ("a/x.obj", "../x.obj"), ("c/x.obj", "../../c/x.obj")]
+        {
+            std::fs::write(root.path().join(file), "").unwrap();
+            assert_eq!(relative(&root.path().join(file), &folder).unwrap(), expected);
+        }
+    }
+}

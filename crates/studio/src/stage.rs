@@ -1,0 +1,263 @@
+//! A scene, its environment and its look: everything that a picture needs but a device.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Mat4, Quat, Vec3};
+use gnomon_envmap::Equirect;
+use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, ReflectanceSettings, Scene, camera_around};
+
+use crate::environment::load_environment;
+use crate::look::CameraLook;
+use crate::pose::pose;
+use crate::{Look, Project, SceneSource, StudioError};
+
+/// A scene in the pose and with the materials that its look asks for, under an environment.
+#[derive(Clone)]
+pub struct Stage {
+    source: SceneSource,
+    look: Look,
+    scene: Arc<Scene>,
+    bare: Bare,
+    environment: Arc<Equirect>,
+    warnings: Vec<String>,
+}
+
+/// What the look changes in a scene, as the file has it.
+#[derive(Clone)]
+struct Bare {
+    materials: Vec<Material>,
+    material_of_mesh: Vec<Option<MaterialId>>,
+    nodes: usize,
+    ground: Option<NodeId>,
+    warnings: usize,
+    /// Of the file's own pose, without the ground where there is more.
+    bounds: Option<Bounds>,
+}
+
+/// What a new look changed in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SceneChange {
+    /// Ground or reflectance.
+    pub dressed: bool,
+    /// Pose.
+    pub moved: bool,
+}
+
+impl Bare {
+    fn of(scene: &Scene) -> Self {
+        Self {
+            materials: scene.materials.clone(),
+            material_of_mesh: scene.meshes.iter().map(|mesh| mesh.material).collect(),
+            nodes: scene.nodes.len(),
+            ground: scene.ground,
+            warnings: scene.warnings.len(),
+            bounds: scene.bounds_without_ground().or_else(|| scene.bounds()),
+        }
+    }
+
+    /// Takes off what [`dress`] put on.
+    fn restore(&self, scene: &mut Scene) {
+        scene.meshes.truncate(self.material_of_mesh.len());
+        for (mesh, material) in scene.meshes.iter_mut().zip(&self.material_of_mesh) {
+            mesh.material = *material;
+        }
+        scene.nodes.truncate(self.nodes);
+        scene.materials.clone_from(&self.materials);
+        scene.ground = self.ground;
+        scene.warnings.truncate(self.warnings);
+    }
+}
+
+/// Reflectance and ground.
+fn dress(scene: &mut Scene, look: &Look) -> Result<(), StudioError> {
+    // The ground lies under the pose of the file, whatever moves above it.
+    scene.rest();
+    if let Some(text) = &look.reflectance {
+        scene.set_reflectance(&text.parse()?);
+    }
+    scene.add_ground(look.ground);
+    let count = scene.materials.len();
+    for (&index, text) in &look.surfaces {
+        let settings: ReflectanceSettings = text.parse()?;
+        let material = scene.materials.get_mut(index).ok_or_else(|| {
+            StudioError::Request(format!("there is no material {index}: the scene has {count}, from 0"))
+        })?;
+        settings.apply(&mut material.surface);
+    }
+    Ok(())
+}
+
+impl Stage {
+    /// Reads the environment and takes the pose.
+    ///
+    /// # Errors
+    /// A scene without environment, files that cannot be used, names of nothing.
+    pub fn new(project: Project) -> Result<Self, StudioError> {
+        let (map, warnings) = load_environment(&project.look.environment)?;
+        Self::under(project, Arc::new(map), warnings)
+    }
+
+    /// The same under an environment that has been read.
+    pub(crate) fn under(
+        project: Project,
+        environment: Arc<Equirect>,
+        mut warnings: Vec<String>,
+    ) -> Result<Self, StudioError> {
+        let Project { source, mut scene, look } = project;
+        warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
+        let bare = Bare::of(&scene);
+        dress(&mut scene, &look)?;
+        pose(&mut scene, &look.animation)?;
+        let mut stage = Self { source, look, scene: Arc::new(scene), bare, environment, warnings };
+        stage.warn_of_dress();
+        check_rotation(&stage.look)?;
+        stage.camera()?;
+        Ok(stage)
+    }
+
+    /// The scene as it is drawn.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The environment as it is drawn, but for its turn.
+    pub fn environment(&self) -> &Arc<Equirect> {
+        &self.environment
+    }
+
+    /// Where the scene is from.
+    pub fn source(&self) -> &SceneSource {
+        &self.source
+    }
+
+    /// The look.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// What loaders repaired or ignored since this was asked last, a line each.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// The view.
+    ///
+    /// # Errors
+    /// [`StudioError::Scene`] for a camera that the scene does not have.
+    pub fn camera(&self) -> Result<Camera, StudioError> {
+        match &self.look.camera {
+            CameraLook::Free(camera) => Ok(camera.clone()),
+            CameraLook::Named(name) => Ok(self.scene.camera(Some(name))?.clone()),
+            CameraLook::Automatic => {
+                Ok(self.scene.cameras.first().cloned().unwrap_or_else(|| self.framing()))
+            }
+        }
+    }
+
+    /// A view that frames the scene's models as they are at rest.
+    pub fn framing(&self) -> Camera {
+        camera_around(self.bare.bounds, self.look.display.aspect())
+    }
+
+    /// The middle of the models as they are at rest [m].
+    pub fn center(&self) -> Vec3 {
+        self.bare.bounds.map_or(Vec3::ZERO, |bounds| bounds.center())
+    }
+
+    /// Stops of exposure of the displayed picture.
+    pub fn exposure(&self) -> f32 {
+        self.look.display.exposure.unwrap_or_else(|| self.environment.suitable_exposure())
+    }
+
+    /// How the environment is turned.
+    pub fn world_from_environment(&self) -> Quat {
+        Quat::from_rotation_y(self.look.environment.rotation.to_radians())
+    }
+
+    /// Scene and view for the reference, under the environment as it is: instead of it they turn, the other way, so that no texel of it is
+    /// resampled.
+    ///
+    /// # Errors
+    /// As [`Stage::camera`].
+    pub fn for_reference(&self) -> Result<(Arc<Scene>, Camera), StudioError> {
+        let mut camera = self.camera()?;
+        if self.look.environment.rotation == 0.0 {
+            return Ok((Arc::clone(&self.scene), camera));
+        }
+        let environment_from_world = self.world_from_environment().inverse();
+        camera.world_from_camera = Mat4::from_quat(environment_from_world) * camera.world_from_camera;
+        let mut scene = Scene::clone(&self.scene);
+        let turn = Affine3A::from_quat(environment_from_world);
+        for root in scene.nodes.iter_mut().filter(|node| node.parent.is_none()) {
+            root.parent_from_node = turn * root.parent_from_node;
+        }
+        Ok((Arc::new(scene), camera))
+    }
+
+    /// Takes another look over, with its environment where that is another.
+    ///
+    /// # Errors
+    /// As [`Stage::new`]; everything is then as it was.
+    pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
+        let (was, new) = (&self.look.environment, &look.environment);
+        let map = match (&was.source, &was.projection) == (&new.source, &new.projection) {
+            true => None,
+            false => Some(load_environment(new)?),
+        };
+        self.change_look(look)?;
+        if let Some((map, warnings)) = map {
+            self.set_environment(Arc::new(map), warnings);
+        }
+        Ok(())
+    }
+
+    /// The same but for the environment, which is the caller's to load.
+    pub(crate) fn change_look(&mut self, look: Look) -> Result<SceneChange, StudioError> {
+        check_rotation(&look)?;
+        let was = std::mem::replace(&mut self.look, look);
+        let dressed = (&was.reflectance, &was.surfaces, was.ground)
+            != (&self.look.reflectance, &self.look.surfaces, self.look.ground);
+        let moved = was.animation != self.look.animation;
+        let change = SceneChange { dressed, moved };
+        let applied = self.apply(change).and_then(|()| self.camera().map(drop));
+        if let Err(error) = applied {
+            self.look = was;
+            // What was applied before can be applied again.
+            self.apply(change)?;
+            return Err(error);
+        }
+        if dressed {
+            self.warn_of_dress();
+        }
+        Ok(change)
+    }
+
+    fn apply(&mut self, change: SceneChange) -> Result<(), StudioError> {
+        if change.dressed {
+            let scene = Arc::make_mut(&mut self.scene);
+            self.bare.restore(scene);
+            dress(scene, &self.look)?;
+        }
+        if change.dressed || change.moved {
+            pose(Arc::make_mut(&mut self.scene), &self.look.animation)?;
+        }
+        Ok(())
+    }
+
+    fn warn_of_dress(&mut self) {
+        let new = self.scene.warnings.iter().skip(self.bare.warnings);
+        self.warnings.extend(new.map(|warning| format!("{}: {warning}", self.source)));
+    }
+
+    pub(crate) fn set_environment(&mut self, map: Arc<Equirect>, warnings: Vec<String>) {
+        self.environment = map;
+        self.warnings.extend(warnings);
+    }
+}
+
+fn check_rotation(look: &Look) -> Result<(), StudioError> {
+    match look.environment.rotation.is_finite() {
+        true => Ok(()),
+        false => Err(StudioError::Request("the environment's rotation must be finite".to_owned())),
+    }
+}

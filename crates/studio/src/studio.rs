@@ -1,0 +1,281 @@
+//! The live session.
+
+use std::sync::Arc;
+
+use gnomon_envmap::Equirect;
+use gnomon_lights::LightSet;
+use gnomon_renderer::{Frame, Gpu, PassTiming, RenderSettings, Renderer};
+use gnomon_scene::{Camera, Scene};
+
+use crate::converging::Converging;
+use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
+use crate::job::Job;
+use crate::look::{EnvironmentLook, FitLook, RenderLook};
+use crate::{Look, ReferencePicture, Stage, StudioError};
+
+mod take_over;
+
+use take_over::SceneRequest;
+
+/// A scene that is drawn while its look changes. Every change costs the least that it can:
+///
+/// | change | work |
+/// |---|---|
+/// | camera | none |
+/// | exposure, tone mapping, background | settings of the next frame |
+/// | the environment's rotation | directions of the lights |
+/// | clip, time | a pose to the GPU |
+/// | reflectance | materials to the GPU |
+/// | techniques, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
+/// | light fit, ambient rest, another environment | a thread; then an upload |
+/// | another scene | a thread; then an upload |
+///
+/// What a thread works out is taken over by [`Studio::poll`]; frames go on meanwhile with what there was.
+pub struct Studio {
+    stage: Stage,
+    renderer: Renderer,
+    lights: Arc<LightSet>,
+    /// What the lights in force were made for.
+    lit_for: LightingKey,
+    lighting: Job<LightingRequest, Result<LightingResult, StudioError>>,
+    scenes: Job<SceneRequest, Result<(Stage, LightingResult), StudioError>>,
+    converging: Option<Converging>,
+    profile: bool,
+}
+
+/// What the lights of an environment depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct LightingKey {
+    environment: EnvironmentLook,
+    fit: FitLook,
+    ambient: String,
+    ambient_cells: usize,
+}
+
+impl LightingKey {
+    fn of(look: &Look) -> Self {
+        Self {
+            // Turning needs no new lights.
+            environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
+            fit: look.fit.clone(),
+            ambient: look.render.ambient.clone(),
+            ambient_cells: look.render.ambient_cells,
+        }
+    }
+
+    fn same_map(&self, other: &Self) -> bool {
+        self.environment == other.environment
+    }
+
+    /// Puts a look back to what these lights are for.
+    fn restore(&self, look: &mut Look) {
+        look.environment =
+            EnvironmentLook { rotation: look.environment.rotation, ..self.environment.clone() };
+        look.fit = self.fit.clone();
+        look.render.ambient = self.ambient.clone();
+        look.render.ambient_cells = self.ambient_cells;
+    }
+}
+
+/// What [`Studio::poll`] took over.
+#[derive(Debug)]
+pub enum Update {
+    /// Another scene is there, with the look that its file asks for.
+    Scene,
+    /// Environment and lights are those of the look.
+    Lighting,
+    /// Background work failed; scene, environment and look are what they were before it was asked for.
+    Failed(StudioError),
+}
+
+impl Studio {
+    /// Fits lights, and puts everything on the device. Waits for all of it.
+    ///
+    /// # Errors
+    /// Names of nothing, settings out of range, a scene beyond the adapter's limits.
+    pub fn new(gpu: &Gpu, stage: Stage) -> Result<Self, StudioError> {
+        let LightingResult { lights, prepared, .. } = work_out_stage(&stage)?;
+        let mut renderer = Renderer::new(gpu, stage.look().settings(stage.exposure())?)?;
+        renderer.set_scene(stage.scene())?;
+        renderer.set_environment_rotation(stage.world_from_environment())?;
+        renderer.set_prepared_lighting(prepared)?;
+        Ok(Self {
+            lit_for: LightingKey::of(stage.look()),
+            stage,
+            renderer,
+            lights: Arc::new(lights),
+            lighting: Job::new("light fitting", work_out),
+            scenes: Job::new("scene loading", SceneRequest::work_out),
+            converging: None,
+            profile: false,
+        })
+    }
+
+    /// Scene, environment and look.
+    pub fn stage(&self) -> &Stage {
+        &self.stage
+    }
+
+    /// The look that was set last. Where threads are busy, frames may not show all of it yet.
+    pub fn look(&self) -> &Look {
+        self.stage.look()
+    }
+
+    /// The scene as it is drawn.
+    pub fn scene(&self) -> &Scene {
+        self.stage.scene()
+    }
+
+    /// The environment as it is drawn, but for its turn.
+    pub fn environment(&self) -> &Equirect {
+        self.stage.environment()
+    }
+
+    /// The lights that stand for it, not turned.
+    pub fn lights(&self) -> &LightSet {
+        &self.lights
+    }
+
+    /// The renderer, for what a look does not say: memory, debug views.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
+    /// What loaders repaired or ignored since this was asked last, a line each.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.stage.take_warnings()
+    }
+
+    /// Changes the look: [`Studio::set_look`] of what `change` makes of the present one.
+    ///
+    /// # Errors
+    /// As [`Studio::set_look`].
+    pub fn edit(&mut self, change: impl FnOnce(&mut Look)) -> Result<(), StudioError> {
+        let mut look = self.look().clone();
+        change(&mut look);
+        self.set_look(look)
+    }
+
+    /// Takes another look over, by the least work. Another environment, fit or ambient rest is worked out on a thread.
+    ///
+    /// # Errors
+    /// What can be told at once: names of nothing, settings out of range, shadow maps beyond the memory. The look is then what it was.
+    pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
+        let was = self.look().clone();
+        if let Err(error) = self.apply(look) {
+            self.apply(was)?;
+            return Err(error);
+        }
+        let wanted = LightingKey::of(self.look());
+        if wanted != LightingKey::of(&was) {
+            self.request_lighting();
+        }
+        Ok(())
+    }
+
+    /// Everything of a look but what threads are for.
+    fn apply(&mut self, look: Look) -> Result<(), StudioError> {
+        let was = self.look().clone();
+        if look == was {
+            return Ok(());
+        }
+        // Names that only a thread would look up are told at once.
+        look.environment.projection()?;
+        look.fit.check()?;
+        look.settings(0.0)?.check()?;
+        let change = self.stage.change_look(look)?;
+        let settings = self.settings()?;
+        if change.dressed {
+            self.renderer.set_materials(self.stage.scene())?;
+        }
+        if change.dressed || change.moved {
+            self.renderer.move_scene(self.stage.scene())?;
+        }
+        let look = self.stage.look();
+        // The ambient rest belongs to the lighting, which a thread works out.
+        let drawn =
+            |render: &RenderLook| RenderLook { ambient: String::new(), ambient_cells: 0, ..render.clone() };
+        if drawn(&look.render) != drawn(&was.render) {
+            self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
+        } else if look.display != was.display {
+            let RenderSettings { exposure_ev, tone_mapping, background, .. } = settings;
+            self.renderer.set_display(exposure_ev, tone_mapping, background)?;
+        }
+        self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
+        Ok(())
+    }
+
+    /// The renderer's settings: the look's, with the ambient rest that is in force.
+    fn settings(&self) -> Result<RenderSettings, StudioError> {
+        let settings = self.look().settings(self.stage.exposure())?;
+        let LightingKey { ambient, ambient_cells, .. } = &self.lit_for;
+        Ok(RenderSettings {
+            ambient: ambient.clone(),
+            ambient_cells: *ambient_cells,
+            profile: self.profile,
+            ..settings
+        })
+    }
+
+    /// Whether passes are timed from the next frame on, which makes frames slower.
+    pub fn set_profile(&mut self, profile: bool) {
+        self.profile = profile;
+        self.renderer.set_profile(profile);
+    }
+
+    /// The view that frames are drawn from.
+    ///
+    /// # Errors
+    /// As [`Stage::camera`].
+    pub fn camera(&self) -> Result<Camera, StudioError> {
+        self.stage.camera()
+    }
+
+    /// Draws a frame of so many pixels and reads it back.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn frame(&mut self, width: u32, height: u32) -> Result<Frame, StudioError> {
+        Ok(self.renderer.render(&self.stage.camera()?, width, height)?)
+    }
+
+    /// Draws a frame without waiting for it; [`Renderer::display_view`] shows it.
+    ///
+    /// # Errors
+    /// As [`Renderer::submit`].
+    pub fn submit(&mut self, width: u32, height: u32) -> Result<Vec<PassTiming>, StudioError> {
+        Ok(self.renderer.submit(&self.stage.camera()?, width, height)?)
+    }
+
+    /// Draws a frame without reading it back, and waits until the device is idle: what a benchmark times.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw(&mut self, width: u32, height: u32) -> Result<Vec<PassTiming>, StudioError> {
+        Ok(self.renderer.draw(&self.stage.camera()?, width, height)?)
+    }
+
+    /// Starts a reference picture of so many pixels on a thread, or goes on with it. It starts anew whenever anything changes that it
+    /// depends on, which this has to be called to find out: once a frame.
+    ///
+    /// # Errors
+    /// What the reference tracer refuses: an empty picture, a camera without a lens.
+    pub fn converge(&mut self, width: u32, height: u32) -> Result<(), StudioError> {
+        let (stage, before) = (&self.stage, self.converging.take());
+        self.converging = Some(Converging::follow(before, stage, [width, height])?);
+        Ok(())
+    }
+
+    /// Stops tracing.
+    pub fn stop_converging(&mut self) {
+        self.converging = None;
+    }
+
+    /// The reference as far as it has come; `None` before its first pass and while nothing is traced.
+    ///
+    /// # Errors
+    /// Why tracing ended.
+    pub fn reference(&self) -> Result<Option<ReferencePicture>, StudioError> {
+        self.converging.as_ref().map_or(Ok(None), Converging::picture)
+    }
+}

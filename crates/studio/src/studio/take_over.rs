@@ -1,0 +1,168 @@
+//! What threads work out, and taking it over.
+
+use std::sync::Arc;
+
+use gnomon_envmap::Equirect;
+use gnomon_renderer::{Gpu, Renderer};
+
+use super::{LightingKey, Studio, Update};
+use crate::environment::{LightingRequest, LightingResult, MapSource, work_out, work_out_stage};
+use crate::{Look, Project, SceneSource, Stage, StudioError};
+
+/// A scene to be loaded, and what there is already.
+pub(super) struct SceneRequest {
+    source: SceneSource,
+    look: Look,
+    environment: Arc<Equirect>,
+    lit_for: LightingKey,
+}
+
+impl SceneRequest {
+    pub fn work_out(self) -> Result<(Stage, LightingResult), StudioError> {
+        let project = Project::open_source(self.source, self.look, None)?;
+        let stage = match self.lit_for.same_map(&LightingKey::of(&project.look)) {
+            true => Stage::under(project, self.environment, Vec::new())?,
+            false => Stage::new(project)?,
+        };
+        let lighting = work_out_stage(&stage)?;
+        Ok((stage, lighting))
+    }
+}
+
+impl Studio {
+    /// Loads another scene on a thread, with its environment where it brings one. Fit, techniques and display stay as they are unless it is
+    /// a scene file that says otherwise.
+    pub fn load_scene(&mut self, source: SceneSource) {
+        self.scenes.request(SceneRequest {
+            source,
+            look: self.look().clone(),
+            environment: Arc::clone(self.stage.environment()),
+            lit_for: self.lit_for.clone(),
+        });
+    }
+
+    /// Takes another map as the environment, and works out its lights on a thread: for an environment that is itself a sequence. It may be
+    /// called every frame. One map is worked on at a time and those that come meanwhile replace each other, so that lights lag behind by
+    /// as long as a fit takes and none is shown that was not asked for. The look keeps the name of the file before it.
+    pub fn stream_environment(&mut self, map: Arc<Equirect>) {
+        self.lighting.request(LightingRequest { map: MapSource::Loaded(map), look: self.look().clone() });
+    }
+
+    /// Whether a thread is busy with lights or a scene.
+    pub fn is_busy(&self) -> bool {
+        self.lighting.is_busy() || self.scenes.is_busy()
+    }
+
+    /// Takes over what threads have finished; never waits for them. Call it once a frame.
+    pub fn poll(&mut self) -> Vec<Update> {
+        let mut updates = Vec::new();
+        if let Some(loaded) = self.scenes.poll() {
+            updates.push(self.take_scene(loaded.flatten()));
+        }
+        if let Some(worked_out) = self.lighting.poll() {
+            updates.push(self.take_lighting(worked_out.flatten()));
+        }
+        updates
+    }
+
+    /// Waits until no thread is busy, and takes everything over.
+    pub fn wait(&mut self) -> Vec<Update> {
+        let mut updates = Vec::new();
+        while let Some(loaded) = self.scenes.wait() {
+            updates.push(self.take_scene(loaded.flatten()));
+        }
+        while let Some(worked_out) = self.lighting.wait() {
+            updates.push(self.take_lighting(worked_out.flatten()));
+        }
+        updates
+    }
+
+    /// Goes on with another device, as after the loss of the one before.
+    ///
+    /// # Errors
+    /// As [`Studio::new`]; the session then stays as it was.
+    pub fn reopen(&mut self, gpu: &Gpu) -> Result<(), StudioError> {
+        let mut look = self.look().clone();
+        self.lit_for.restore(&mut look);
+        let map = MapSource::Loaded(Arc::clone(self.stage.environment()));
+        let worked_out = work_out(LightingRequest { map, look })?;
+        let mut renderer = Renderer::new(gpu, self.settings()?)?;
+        renderer.set_scene(self.stage.scene())?;
+        renderer.set_environment_rotation(self.stage.world_from_environment())?;
+        renderer.set_prepared_lighting(worked_out.prepared)?;
+        self.renderer = renderer;
+        Ok(())
+    }
+
+    pub(super) fn request_lighting(&mut self) {
+        let look = self.look().clone();
+        let map = match self.lit_for.same_map(&LightingKey::of(&look)) {
+            true => MapSource::Loaded(Arc::clone(self.stage.environment())),
+            false => MapSource::Unread,
+        };
+        self.lighting.request(LightingRequest { map, look });
+    }
+
+    fn take_lighting(&mut self, worked_out: Result<LightingResult, StudioError>) -> Update {
+        match worked_out.and_then(|result| self.light_up(result)) {
+            Ok(()) => Update::Lighting,
+            Err(error) => {
+                self.forget_lighting();
+                Update::Failed(error)
+            }
+        }
+    }
+
+    fn light_up(&mut self, result: LightingResult) -> Result<(), StudioError> {
+        let LightingResult { map, lights, prepared, warnings, look } = result;
+        self.renderer.set_prepared_lighting(prepared)?;
+        self.lit_for = LightingKey::of(&look);
+        self.lights = Arc::new(lights);
+        self.stage.set_environment(map, warnings);
+        // The suitable exposure is that of the environment that is seen now.
+        let settings = self.settings()?;
+        Ok(self.renderer.set_display(settings.exposure_ev, settings.tone_mapping, settings.background)?)
+    }
+
+    /// Puts the look back to the lights that are in force, unless others are still to come.
+    fn forget_lighting(&mut self) {
+        if !self.lighting.is_busy() {
+            let mut look = self.look().clone();
+            self.lit_for.restore(&mut look);
+            // Only what threads are for differs: nothing of it can fail here.
+            let _ = self.stage.change_look(look);
+        }
+    }
+
+    fn take_scene(&mut self, loaded: Result<(Stage, LightingResult), StudioError>) -> Update {
+        let taken = loaded.and_then(|(stage, lighting)| {
+            let before = std::mem::replace(&mut self.stage, stage);
+            let result = self.put_on_device(lighting);
+            if result.is_err() {
+                self.stage = before;
+                // It was on the device before: there is no reason why it should not be again.
+                self.renderer.set_scene(self.stage.scene())?;
+                let settings = self.settings()?;
+                self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
+                self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
+            }
+            result
+        });
+        if taken.is_ok() {
+            // Lights that are being fitted are those of the scene before.
+            self.lighting.forget();
+        }
+        match taken {
+            Ok(()) => Update::Scene,
+            Err(error) => Update::Failed(error),
+        }
+    }
+
+    fn put_on_device(&mut self, lighting: LightingResult) -> Result<(), StudioError> {
+        self.renderer.set_scene(self.stage.scene())?;
+        let settings = self.settings()?;
+        self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
+        self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
+        self.light_up(lighting)
+    }
+}

@@ -1,0 +1,152 @@
+//! Poses, turning and streams.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_metrics::relative_rmse;
+use gnomon_metrics::tolerances::ROTATED_TEXELS_RMSE;
+use gnomon_reference::{ReferenceOptions, render};
+use gnomon_renderer::{Gpu, GpuOptions};
+use gnomon_studio::{Look, Project, Sequence, Stage, Studio, Timeline, Update, environment_named};
+
+const SIZE: [u32; 2] = [48, 36];
+
+fn gpu() -> Option<Gpu> {
+    let gpu = Gpu::new(&GpuOptions::default());
+    if gpu.is_err() {
+        gnomon_testing::skip("no usable graphics adapter");
+    }
+    gpu.ok()
+}
+
+fn project(name: &str) -> Project {
+    let mut look = Look::default();
+    look.fit.light_count = Some(8);
+    look.render.ambient = "unshadowed".to_owned();
+    look.render.shadow_resolution = 64;
+    look.render.supersample = 1;
+    let mut project = Project::open(name, look, Some(SIZE)).unwrap();
+    project.set_environment(environment_named("room"));
+    project
+}
+
+fn picture(studio: &mut Studio) -> RgbImage {
+    studio.frame(SIZE[0], SIZE[1]).unwrap().radiance
+}
+
+/// A skinned model, a morphed one, one whose nodes move.
+const MODELS: [&str; 3] =
+    ["models/RiggedSimple.glb", "models/AnimatedMorphCube.glb", "models/BoxAnimated.glb"];
+
+#[test]
+fn a_pose_taken_live_is_the_pose_opened_and_frames_depend_on_nothing_else() {
+    let Some(gpu) = gpu() else { return };
+    for model in MODELS {
+        let Some(path) = gnomon_testing::data_file(model) else { return };
+        let stage = Stage::new(project(path.to_str().unwrap())).unwrap();
+        let timeline = Timeline { turntable: 60.0, environment_turn: 25.0, ..Timeline::new(5.0).unwrap() };
+        let sequence = Sequence::new(&stage, timeline).unwrap();
+        let mut live = Studio::new(&gpu, stage.clone()).unwrap();
+        let rest = picture(&mut live);
+        let drawn: Vec<_> = (0..4)
+            .map(|frame| {
+                live.set_look(sequence.look(frame)).unwrap();
+                picture(&mut live)
+            })
+            .collect();
+        for frame in [2, 0, 3] {
+            let mut opened = stage.clone();
+            opened.set_look(sequence.look(frame)).unwrap();
+            let mut opened = Studio::new(&gpu, opened).unwrap();
+            assert!(picture(&mut opened) == drawn[frame as usize], "{model}, frame {frame}");
+        }
+        assert!(drawn[1] != drawn[2] && drawn[2] != drawn[3], "{model} moves");
+        live.set_look(stage.look().clone()).unwrap();
+        assert!(picture(&mut live) == rest, "{model}: back to rest");
+        let error =
+            live.edit(|look| look.animation.clip = Some("absent".to_owned())).unwrap_err().to_string();
+        assert!(error.contains("clip"), "{error}");
+        assert!(picture(&mut live) == rest);
+    }
+}
+
+#[test]
+fn time_beyond_a_clip_starts_it_again() {
+    let Some(path) = gnomon_testing::data_file(MODELS[2]) else { return };
+    let stage = Stage::new(project(path.to_str().unwrap())).unwrap();
+    let at = |time: f32| {
+        let mut stage = stage.clone();
+        let mut look = stage.look().clone();
+        look.animation.clip = Some("0".to_owned());
+        look.animation.time = time;
+        stage.set_look(look).unwrap();
+        stage.scene().nodes.clone()
+    };
+    let duration = stage.scene().animations[0].duration();
+    assert_ne!(at(0.0), at(0.5 * duration));
+    assert_eq!(at(0.25 * duration + duration), at((0.25 * duration + duration).rem_euclid(duration)));
+    assert_eq!(at(-0.25 * duration), at((-0.25 * duration).rem_euclid(duration)));
+    assert_ne!(at(duration), at(0.0), "the end is the last pose");
+}
+
+/// The reference turns the scene instead of the environment: skins, morphs and all.
+#[test]
+fn the_references_turned_scene_sees_what_a_turned_map_shows() {
+    let Some(path) = gnomon_testing::data_file(MODELS[0]) else { return };
+    let mut stage = Stage::new(project(path.to_str().unwrap())).unwrap();
+    let mut look = stage.look().clone();
+    look.animation.clip = Some("0".to_owned());
+    look.animation.time = 0.7;
+    // A whole number of texels, so that none is resampled.
+    let yaw = 100.0 * 360.0 / stage.environment().width() as f32;
+    look.environment.rotation = yaw;
+    stage.set_look(look).unwrap();
+    let options = ReferenceOptions {
+        width: SIZE[0],
+        height: SIZE[1],
+        samples_per_pixel: 512,
+        ..ReferenceOptions::default()
+    };
+    let (scene, camera) = stage.for_reference().unwrap();
+    let turned = render(&scene, &camera, stage.environment(), &options).unwrap();
+    let map = stage.environment().rotated(yaw.to_radians());
+    let expected = render(stage.scene(), &stage.camera().unwrap(), &map, &options).unwrap();
+    let mean = |picture: &RgbImage| {
+        let sum: f32 = picture.texels().iter().map(|texel| texel.element_sum()).sum();
+        f64::from(sum) / (3 * picture.texels().len()) as f64
+    };
+    // Two independent estimates.
+    let noise = (mean(&turned.variance) + mean(&expected.variance)).sqrt() / mean(&expected.mean);
+    let error = relative_rmse(&turned.mean, &expected.mean).unwrap();
+    assert!(error < 1.3 * noise + ROTATED_TEXELS_RMSE, "{error}, noise {noise}");
+    let planted = render(stage.scene(), &stage.camera().unwrap(), stage.environment(), &options).unwrap();
+    assert!(relative_rmse(&planted.mean, &expected.mean).unwrap() > 3.0 * (noise + ROTATED_TEXELS_RMSE));
+}
+
+#[test]
+fn an_environment_that_changes_every_frame_is_refitted_behind_the_frames() {
+    let Some(gpu) = gpu() else { return };
+    let mut studio = Studio::new(&gpu, Stage::new(project("three-boxes")).unwrap()).unwrap();
+    let map = |step: f32| {
+        let sky = |x: u32, y: u32| {
+            let bright = x / 16 == step as u32 % 4 && (8..16).contains(&y);
+            Vec3::splat(if bright { 20.0 } else { 0.1 + 0.01 * step })
+        };
+        Arc::new(Equirect::new(RgbImage::from_fn(64, 32, sky)))
+    };
+    let mut taken = 0;
+    for step in 0..40 {
+        studio.stream_environment(map(step as f32));
+        taken += studio.poll().len();
+        picture(&mut studio);
+    }
+    assert!(taken > 0, "lights keep coming while requests do");
+    let updates = studio.wait();
+    assert!(updates.iter().all(|update| matches!(update, Update::Lighting)), "{updates:?}");
+    assert!(!studio.is_busy());
+    assert_eq!(studio.environment().radiance(), map(39.0).radiance(), "the last one counts");
+}

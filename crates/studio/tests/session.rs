@@ -1,0 +1,197 @@
+//! A live session against sessions that are opened with the look right away.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use gnomon_image::RgbImage;
+use gnomon_metrics::tolerances::GPU_RELATIVE_RMSE;
+use gnomon_renderer::{Gpu, GpuOptions, RenderError, RenderSettings};
+use gnomon_scene::{Camera, EnvironmentSource, Ground};
+use gnomon_studio::{
+    CameraLook, Look, Project, SceneSource, Stage, Studio, StudioError, Update, environment_named,
+};
+
+const SIZE: [u32; 2] = [96, 72];
+
+fn gpu() -> Option<Gpu> {
+    match Gpu::new(&GpuOptions::default()) {
+        Ok(gpu) => Some(gpu),
+        Err(RenderError::NoAdapter { .. } | RenderError::MissingFeature { .. }) => {
+            gnomon_testing::skip("no usable graphics adapter");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn base() -> Look {
+    let mut look = Look::default();
+    look.environment.source = Some(environment_named("room"));
+    look.fit.light_count = Some(12);
+    look.render.ambient_cells = 8;
+    look.render.shadow_resolution = 64;
+    look.render.supersample = 1;
+    look.display.size = SIZE;
+    look
+}
+
+fn project(look: &Look) -> Project {
+    let mut project = Project::open("three-boxes", Look::default(), Some(SIZE)).unwrap();
+    project.look = look.clone();
+    project
+}
+
+fn picture(studio: &mut Studio) -> (RgbImage, Vec<[u8; 4]>) {
+    let frame = studio.frame(SIZE[0], SIZE[1]).unwrap();
+    (frame.radiance, frame.display)
+}
+
+#[test]
+fn the_default_look_is_the_default_settings() {
+    let settings = Look::default().settings(0.0).unwrap();
+    assert_eq!(format!("{settings:?}"), format!("{:?}", RenderSettings::default()));
+    let text = toml::to_string(&Look::default()).unwrap();
+    assert_eq!(toml::from_str::<Look>(&text).unwrap(), Look::default());
+}
+
+type Edit = (&'static str, fn(&mut Look));
+
+const EDITS: [Edit; 10] = [
+    ("nothing", |_| {}),
+    ("exposure", |look| look.display.exposure = Some(1.5)),
+    ("tone mapping", |look| look.display.tone_mapping = "linear".to_owned()),
+    ("camera", |look| {
+        let camera: Camera = "eye=2,4,3; target=0,0.5,0; fov=50".parse().unwrap();
+        look.camera = CameraLook::Free(camera);
+    }),
+    ("rotation", |look| look.environment.rotation = 77.0),
+    ("technique", |look| look.render.shadows = "pcf".to_owned()),
+    ("reflectance", |look| look.reflectance = Some("phong:shininess=30,specular=0.4".to_owned())),
+    ("fit", |look| look.fit.method = "disks".to_owned()),
+    ("ambient rest", |look| look.render.ambient = "occlusion".to_owned()),
+    ("environment", |look| look.environment.source = Some(environment_named("sky"))),
+];
+
+#[test]
+fn a_look_set_live_gives_the_picture_of_one_opened_with_it() {
+    let Some(gpu) = gpu() else { return };
+    let mut live = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
+    let mut last = None;
+    for (name, edit) in EDITS {
+        // One after the other, so that each starts from what the one before left.
+        live.edit(edit).unwrap();
+        let failed = live.wait().into_iter().find(|update| matches!(update, Update::Failed(_)));
+        assert!(failed.is_none(), "{name}: {failed:?}");
+        let shown = picture(&mut live);
+        let fresh = Stage::new(project(live.look())).unwrap();
+        let opened = picture(&mut Studio::new(&gpu, fresh).unwrap());
+        assert!(shown == opened, "{name}: the live picture is another");
+        assert!(name == "nothing" || last.as_ref() != Some(&shown), "{name} changes nothing");
+        last = Some(shown);
+    }
+    // And all the way back.
+    live.set_look(base()).unwrap();
+    live.wait();
+    let mut opened = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
+    assert!(picture(&mut live) == picture(&mut opened));
+}
+
+#[test]
+fn what_cannot_be_leaves_everything_as_it_was() {
+    let Some(gpu) = gpu() else { return };
+    let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
+    let before = picture(&mut studio);
+    let refused: [Edit; 9] = [
+        ("technique", |look| look.render.shadows = "candles".to_owned()),
+        ("'light_count'", |look| look.fit.light_count = Some(0)),
+        ("fit", |look| look.fit.method = "candles".to_owned()),
+        ("tone mapping", |look| look.display.tone_mapping = "sepia".to_owned()),
+        ("memory", |look| {
+            look.render.shadow_memory = 1;
+            look.render.shadow_resolution = 4096;
+        }),
+        ("reflectance", |look| look.reflectance = Some("phong".to_owned())),
+        ("material", |look| drop(look.surfaces.insert(99, "lambert".to_owned()))),
+        ("camera", |look| look.camera = CameraLook::Named("absent".to_owned())),
+        ("clip", |look| look.animation.clip = Some("absent".to_owned())),
+    ];
+    for (name, edit) in refused {
+        let error = studio.edit(edit).unwrap_err().to_string();
+        assert!(!error.contains('\n'), "{name}: {error}");
+        assert_eq!(studio.look(), &base(), "{name}");
+        assert!(picture(&mut studio) == before, "{name}");
+    }
+    // What only a thread finds out.
+    let absent = EnvironmentSource::File(PathBuf::from("absent.hdr"));
+    studio.edit(|look| look.environment.source = Some(absent)).unwrap();
+    assert!(picture(&mut studio) == before, "frames go on");
+    let updates = studio.wait();
+    assert!(matches!(&updates[..], [Update::Failed(StudioError::Request(_))]), "{updates:?}");
+    assert_eq!(studio.look(), &base());
+    studio.load_scene(SceneSource::File(PathBuf::from("absent.glb")));
+    assert!(matches!(&studio.wait()[..], [Update::Failed(_)]));
+    assert!(picture(&mut studio) == before);
+}
+
+#[test]
+fn another_scene_is_loaded_on_a_thread_and_keeps_the_look() {
+    let Some(gpu) = gpu() else { return };
+    let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
+    let before = picture(&mut studio);
+    studio.edit(|look| look.ground = Ground::Plane).unwrap();
+    studio.load_scene(SceneSource::Builtin("column".to_owned()));
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let mut updates = Vec::new();
+    while updates.is_empty() && Instant::now() < deadline {
+        updates = studio.poll();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(matches!(&updates[..], [Update::Scene]), "{updates:?}");
+    assert_eq!(studio.look().fit, base().fit);
+    let mut column = Project::open("column", Look::default(), Some(SIZE)).unwrap();
+    column.look = base();
+    let mut opened = Studio::new(&gpu, Stage::new(column).unwrap()).unwrap();
+    let shown = picture(&mut studio);
+    assert!(shown == picture(&mut opened) && shown != before);
+}
+
+#[test]
+fn the_reference_converges_and_starts_anew_when_something_changes() {
+    let Some(gpu) = gpu() else { return };
+    let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    let until = |studio: &mut Studio, samples: u32| loop {
+        studio.converge(SIZE[0], SIZE[1]).unwrap();
+        let so_far = studio.reference().unwrap();
+        if let Some(picture) = so_far.filter(|picture| picture.samples_per_pixel >= samples) {
+            return picture;
+        }
+        assert!(Instant::now() < deadline);
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert!(studio.reference().unwrap().is_none());
+    let (first, later) = (until(&mut studio, 8), until(&mut studio, 64));
+    assert!(later.noise < first.noise && later.noise > 0.0, "{} {}", first.noise, later.noise);
+    let (drawn, _) = picture(&mut studio);
+    let error = later.relative_rmse(&drawn).unwrap();
+    // Twelve lights and eight cells in maps of 64 texels are coarse.
+    assert!(error < 2.0 * GPU_RELATIVE_RMSE + later.noise, "{error}");
+    assert_eq!(later.difference(&drawn).unwrap().width(), SIZE[0]);
+
+    // Turned: another picture, and as near to that of the GPU.
+    studio.edit(|look| look.environment.rotation = 120.0).unwrap();
+    studio.converge(SIZE[0], SIZE[1]).unwrap();
+    assert!(studio.reference().unwrap().is_none_or(|anew| anew.samples_per_pixel < later.samples_per_pixel));
+    let turned = until(&mut studio, 64);
+    assert!(
+        turned.relative_rmse(&drawn).unwrap() > 2.0 * error,
+        "the planted fault: an environment that was not turned"
+    );
+    let (drawn, _) = picture(&mut studio);
+    let error = turned.relative_rmse(&drawn).unwrap();
+    assert!(error < 2.0 * GPU_RELATIVE_RMSE + turned.noise, "{error}");
+    studio.stop_converging();
+    assert!(studio.reference().unwrap().is_none());
+}
