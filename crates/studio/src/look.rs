@@ -276,6 +276,19 @@ pub struct AnimationLook {
 }
 
 impl Look {
+    /// Takes over what has changed from `before` to `after`, of the parts that are no scene's own.
+    pub(crate) fn keep_changes(&mut self, before: &Self, after: &Self) {
+        fn keep<T: Clone + PartialEq>(value: &mut T, before: &T, after: &T) {
+            if before != after {
+                value.clone_from(after);
+            }
+        }
+        keep(&mut self.fit, &before.fit, &after.fit);
+        keep(&mut self.render, &before.render, &after.render);
+        keep(&mut self.display, &before.display, &after.display);
+        keep(&mut self.environment, &before.environment, &after.environment);
+    }
+
     /// The renderer's settings, for an environment whose suitable exposure is `automatic_exposure` [stops].
     ///
     /// # Errors

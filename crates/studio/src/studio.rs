@@ -15,7 +15,7 @@ use crate::{Look, ReferencePicture, Stage, StudioError};
 
 mod take_over;
 
-use take_over::SceneRequest;
+use take_over::{LoadedStage, SceneRequest};
 
 /// A scene that is drawn while its look changes. Every change costs the least that it can:
 ///
@@ -38,7 +38,7 @@ pub struct Studio {
     /// What the lights in force were made for.
     lit_for: LightingKey,
     lighting: Job<LightingRequest, Result<LightingResult, StudioError>>,
-    scenes: Job<SceneRequest, Result<(Stage, LightingResult), StudioError>>,
+    scenes: Job<SceneRequest, Result<LoadedStage, StudioError>>,
     converging: Option<Converging>,
     profile: bool,
 }

@@ -142,6 +142,7 @@ fn another_scene_is_loaded_on_a_thread_and_keeps_the_look() {
     let before = picture(&mut studio);
     studio.edit(|look| look.ground = Ground::Plane).unwrap();
     studio.load_scene(SceneSource::Builtin("column".to_owned()));
+    studio.edit(|look| look.display.exposure = Some(0.7)).unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     let mut updates = Vec::new();
     while updates.is_empty() && Instant::now() < deadline {
@@ -152,6 +153,7 @@ fn another_scene_is_loaded_on_a_thread_and_keeps_the_look() {
     assert_eq!(studio.look().fit, base().fit);
     let mut column = Project::open("column", Look::default(), Some(SIZE)).unwrap();
     column.look = base();
+    column.look.display.exposure = Some(0.7);
     let mut opened = Studio::new(&gpu, Stage::new(column).unwrap()).unwrap();
     let shown = picture(&mut studio);
     assert!(shown == picture(&mut opened) && shown != before);

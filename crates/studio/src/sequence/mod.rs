@@ -107,20 +107,26 @@ impl Sequence {
         look
     }
 
-    /// Everything that the pixels of all frames depend on, in words, and a digest of it: `how` says what draws them.
+    /// Everything that the pixels of all frames depend on, in words, and a digest of it: `how` says what draws them. Files count by what is
+    /// in them, not by their names and times.
     pub fn description(&self, stage: &Stage, how: Value) -> (Value, String) {
         let mut digest = Digest::default();
-        let words = json!({
-            "program": concat!("gnomon ", env!("CARGO_PKG_VERSION")),
-            "scene": stage.source().to_string(),
-            "look": self.look,
-            "exposure": stage.exposure(),
-            "timeline": self.timeline,
-            "drawn_by": how,
-        });
-        digest.add(words.to_string().as_bytes());
+        let mut look = self.look.clone();
+        look.environment.source = None;
+        let words = |look: &Look| {
+            json!({
+                "program": concat!("gnomon ", env!("CARGO_PKG_VERSION")),
+                "look": look,
+                "exposure": stage.exposure(),
+                "timeline": self.timeline,
+                "drawn_by": how,
+            })
+        };
+        digest.add(words(&look).to_string().as_bytes());
         digest.add_scene(stage.scene());
         digest.add_picture(stage.environment().radiance());
+        let mut words = words(&self.look);
+        words["scene"] = stage.source().to_string().into();
         (words, digest.to_string())
     }
 }

@@ -17,21 +17,30 @@ pub(super) struct SceneRequest {
     lit_for: LightingKey,
 }
 
+/// A scene ready for the device.
+pub(super) struct LoadedStage {
+    stage: Stage,
+    lighting: LightingResult,
+    /// The look when it was asked for.
+    asked: Look,
+}
+
 impl SceneRequest {
-    pub fn work_out(self) -> Result<(Stage, LightingResult), StudioError> {
+    pub fn work_out(self) -> Result<LoadedStage, StudioError> {
+        let asked_for = self.look.clone();
         let project = Project::open_source(self.source, self.look, None)?;
         let stage = match self.lit_for.same_map(&LightingKey::of(&project.look)) {
             true => Stage::under(project, self.environment, Vec::new())?,
             false => Stage::new(project)?,
         };
         let lighting = work_out_stage(&stage)?;
-        Ok((stage, lighting))
+        Ok(LoadedStage { stage, lighting, asked: asked_for })
     }
 }
 
 impl Studio {
     /// Loads another scene on a thread, with its environment where it brings one. Fit, techniques and display stay as they are unless it is
-    /// a scene file that says otherwise.
+    /// a scene file that says otherwise; changes of them made meanwhile are kept.
     pub fn load_scene(&mut self, source: SceneSource) {
         self.scenes.request(SceneRequest {
             source,
@@ -134,8 +143,9 @@ impl Studio {
         }
     }
 
-    fn take_scene(&mut self, loaded: Result<(Stage, LightingResult), StudioError>) -> Update {
-        let taken = loaded.and_then(|(stage, lighting)| {
+    fn take_scene(&mut self, loaded: Result<LoadedStage, StudioError>) -> Update {
+        let now = self.look().clone();
+        let taken = loaded.and_then(|LoadedStage { stage, lighting, asked }| {
             let before = std::mem::replace(&mut self.stage, stage);
             let result = self.put_on_device(lighting);
             if result.is_err() {
@@ -146,12 +156,13 @@ impl Studio {
                 self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
                 self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
             }
-            result
+            result.map(|()| asked)
         });
-        if taken.is_ok() {
+        let taken = taken.and_then(|asked| {
             // Lights that are being fitted are those of the scene before.
             self.lighting.forget();
-        }
+            self.edit(|look| look.keep_changes(&asked, &now))
+        });
         match taken {
             Ok(()) => Update::Scene,
             Err(error) => Update::Failed(error),
