@@ -21,6 +21,10 @@ const LIGHTS: usize = 64;
 /// Of the lights of a fit that leaves an ambient rest, at least so many are kept for that rest.
 const CELLS: usize = 32;
 
+/// After so many pictures, settings whose mean error is more than so many times the least of all are not drawn again.
+const SCREENING: usize = 4;
+const WORTHWHILE: f64 = 1.5;
+
 /// Relative RMSE: in the worst picture, and on average.
 const LIMITS: [f64; 2] = [0.04, 0.03];
 
@@ -103,6 +107,8 @@ impl Choice {
 /// What one choice gave, pair by pair of scene and environment.
 struct Outcome {
     choice: Choice,
+    /// Whether it passed the screening, or that is still to come: all pairs are measured.
+    is_in: bool,
     /// Relative RMSE; none where the adapter cannot hold it.
     errors: Vec<Option<f64>>,
     /// Frame times where they were taken [ms].
@@ -137,30 +143,36 @@ impl Experiment for Best {
             shadow_memory_bytes: 256 << 20,
             ..RenderSettings::default()
         };
-        let unmeasured = |choice| Outcome { choice, errors: Vec::new(), milliseconds: Vec::new() };
+        let unmeasured =
+            |choice| Outcome { choice, is_in: true, errors: Vec::new(), milliseconds: Vec::new() };
         let mut results: Vec<Outcome> = choices.into_iter().map(unmeasured).collect();
         let mut sheet = ContactSheet::new("best", "Least error of every scene and environment", 3);
         sheet.enlargement = 2;
-        let mut pairs = Vec::new();
+        let mut pairs: Vec<Pair> = Vec::new();
         let count = stages.len() * environments.len();
-        for stage in &stages {
-            for (place, environment) in environments.iter().enumerate() {
+        for environment in &environments {
+            for stage in &stages {
                 let share = pairs.len() as f32 / count as f32;
                 lab.tell(&format!("best: {}, {}", stage.name, environment.name), share);
+                if pairs.len() == SCREENING {
+                    screen(&mut results);
+                }
                 let truth = lab.truth(stage, environment, size, lab.pick(2, 512, 4096))?;
                 let (stage, environment) = (Rc::clone(stage), Rc::clone(environment));
                 let pair = Pair { stage, environment, truth, size };
                 sheet.panels.extend(measure(lab, &pair, &frame, &mut results)?);
-                if place == 0 {
-                    time(lab, &pair, &frame, &mut results)?;
-                }
                 pairs.push(pair);
             }
+        }
+        for pair in pairs.iter().take(stages.len()) {
+            lab.tell(&format!("best: timing {}", pair.stage.name), 1.0);
+            time(lab, pair, &frame, &mut results)?;
         }
         let mut paragraphs = vec![format!(
             "{} x {} pixels of {} x {} samples, Lambert 0.5, shadow maps of at most {} texels a side, every other setting that of `gnomon \
              render`. At most {LIGHTS} lights in all: a fit that leaves an ambient rest is asked for {}, the rest becomes cells or probes. \
-             Times: median frames of 2 x 2 samples, mean over the scenes under their first environment.",
+             Times: median frames of 2 x 2 samples, mean over the scenes under their first environment. Settings whose mean error over \
+             the first {SCREENING} pictures was more than {WORTHWHILE} times the least are not drawn again: their means are of those pictures.",
             size[0],
             size[1],
             frame.samples,
@@ -190,7 +202,7 @@ fn measure(
 ) -> Result<Vec<Panel>, BenchError> {
     let truth = &pair.truth.picture;
     let mut best: Option<(f64, Vec<Panel>)> = None;
-    for result in results {
+    for result in results.iter_mut().filter(|result| result.is_in) {
         let lights = lab.lights(result.choice.fit, Some(result.choice.asked_for()), &pair.environment)?;
         let setup =
             Setup { stage: &pair.stage, map: &pair.environment.map, lights: &lights, size: pair.size };
@@ -214,7 +226,15 @@ fn measure(
     Ok(best.map(|(_, panels)| panels).unwrap_or_default())
 }
 
-/// One frame time more for every choice.
+/// Takes settings out that are far from the best so far.
+fn screen(results: &mut [Outcome]) {
+    let least = results.iter().map(|result| result.mean_and_worst()[0]).fold(f64::INFINITY, f64::min);
+    for result in results {
+        result.is_in = result.mean_and_worst()[0] <= WORTHWHILE * least;
+    }
+}
+
+/// One frame time more for every choice that is still in.
 fn time(
     lab: &Lab<'_>,
     pair: &Pair,
@@ -223,7 +243,8 @@ fn time(
 ) -> Result<(), BenchError> {
     let frame = RenderSettings { samples: 2, ..frame.clone() };
     // A few at a time, so that their shadow maps fit in memory side by side.
-    for results in results.chunks_mut(8) {
+    let mut worthwhile: Vec<&mut Outcome> = results.iter_mut().filter(|result| result.is_in).collect();
+    for results in worthwhile.chunks_mut(8) {
         let mut sets = Vec::new();
         for result in results.iter() {
             sets.push(lab.lights(result.choice.fit, Some(result.choice.asked_for()), &pair.environment)?);
@@ -245,7 +266,7 @@ fn time(
 }
 
 impl Outcome {
-    /// Mean and worst error over all pairs; NaN where a picture is missing, which is no error of 0.
+    /// Mean and worst error over all pairs that were measured; NaN where a picture is missing, which is no error of 0.
     fn mean_and_worst(&self) -> [f64; 2] {
         let errors: Option<Vec<f64>> = self.errors.iter().copied().collect();
         errors.and_then(|errors| mean_and_worst(&errors)).unwrap_or([f64::NAN; 2])
@@ -253,7 +274,7 @@ impl Outcome {
 
     fn meets_the_limits(&self) -> bool {
         let [mean, worst] = self.mean_and_worst();
-        worst <= LIMITS[0] && mean <= LIMITS[1]
+        self.is_in && worst <= LIMITS[0] && mean <= LIMITS[1]
     }
 
     fn milliseconds(&self) -> f64 {
@@ -261,10 +282,14 @@ impl Outcome {
     }
 }
 
-/// Least mean error first; what was not measured everywhere last.
+/// Least mean error first, those that were screened out after the others; what could not be drawn last.
 fn ranked(results: &[Outcome]) -> Vec<&Outcome> {
     let mut ranked: Vec<&Outcome> = results.iter().collect();
-    ranked.sort_by(|a, b| a.mean_and_worst()[0].total_cmp(&b.mean_and_worst()[0]));
+    let key = |result: &Outcome| (!result.is_in, result.mean_and_worst()[0]);
+    ranked.sort_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
     ranked
 }
 
@@ -278,6 +303,7 @@ fn ranking(results: &[Outcome], pairs: &[Pair]) -> Table {
         ("relative RMSE, mean", ""),
         ("relative RMSE, worst", ""),
         ("worst at", ""),
+        ("pictures", ""),
         ("frame, mean of medians", "ms"),
         ("within the limits", ""),
     ];
@@ -298,6 +324,7 @@ fn ranking(results: &[Outcome], pairs: &[Pair]) -> Table {
             mean.into(),
             worst.into(),
             worst_at.map(|(_, pair)| format!("{}, {}", pair.stage.name, pair.environment.name)).into(),
+            result.errors.len().into(),
             result.milliseconds().into(),
             if result.meets_the_limits() { "yes" } else { "no" }.into(),
         ]);
@@ -342,7 +369,10 @@ fn verdict(results: &[Outcome]) -> String {
     if let Some(best) = within.first() {
         return format!("Within the limits: {} of {}. Best: {}.", within.len(), ranked.len(), told(best));
     }
-    let least_worst = ranked.iter().min_by(|a, b| a.mean_and_worst()[1].total_cmp(&b.mean_and_worst()[1]));
+    let least_worst = ranked
+        .iter()
+        .filter(|result| result.is_in)
+        .min_by(|a, b| a.mean_and_worst()[1].total_cmp(&b.mean_and_worst()[1]));
     let words = ranked
         .first()
         .zip(least_worst)
@@ -389,6 +419,7 @@ mod tests {
     fn the_verdict_names_the_least_mean_within_the_limits() {
         let result = |place: usize, errors: [f64; 2]| Outcome {
             choice: Choice::few()[place],
+            is_in: true,
             errors: errors.map(Some).to_vec(),
             milliseconds: vec![10.0],
         };
@@ -404,5 +435,24 @@ mod tests {
         // A picture that could not be drawn counts against its setting.
         results.push(Outcome { errors: vec![Some(0.001), None], ..result(1, [0.0; 2]) });
         assert!(!results[1].meets_the_limits() && ranked(&results)[1].errors[1].is_none());
+    }
+
+    #[test]
+    fn settings_far_from_the_best_are_screened_out() {
+        let result = |place: usize, error: Option<f64>| Outcome {
+            choice: Choice::few()[place],
+            is_in: true,
+            errors: vec![error],
+            milliseconds: Vec::new(),
+        };
+        let mut results =
+            vec![result(0, Some(0.031)), result(1, None), result(2, Some(0.02)), result(3, Some(0.03))];
+        screen(&mut results);
+        assert_eq!(results.iter().map(|result| result.is_in).collect::<Vec<_>>(), [false, false, true, true]);
+        // What was measured less is behind, however good it was so far, and meets no limits.
+        results[3].errors.push(Some(0.5));
+        assert_eq!(ranked(&results)[1].choice, Choice::few()[3]);
+        results[0].errors = vec![Some(0.01)];
+        assert!(!results[0].meets_the_limits());
     }
 }
