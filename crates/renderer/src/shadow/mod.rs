@@ -4,6 +4,7 @@
 //! every frame from the lights' depth maps. To add one: a file here, its module, and a line in [`TECHNIQUES`].
 
 mod convolution;
+mod downsample;
 mod hard;
 mod hard_linear;
 mod moments;

@@ -1,5 +1,6 @@
 use gnomon_shaders::layout;
 
+use super::downsample::{Downsample, trilinear_sampler};
 use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
 use crate::bindings::{Binding, D2_ARRAY, array_view, level_view};
 use crate::depth_maps::DepthMaps;
@@ -83,9 +84,7 @@ struct Resources {
     bind_group: wgpu::BindGroup,
     moments: wgpu::ComputePipeline,
     moments_group: wgpu::BindGroup,
-    downsample: wgpu::ComputePipeline,
-    /// From the second level on.
-    level_groups: Vec<wgpu::BindGroup>,
+    levels: Downsample,
     resolution: u32,
 }
 
@@ -120,14 +119,7 @@ impl Resources {
             FORMAT,
             wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
         );
-        let trilinear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("trilinear"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        });
-        let trilinear = wgpu::BindingResource::Sampler(&trilinear);
+        let trilinear = trilinear_sampler(gpu);
 
         let compute = wgpu::ShaderStages::COMPUTE;
         let sampled = Binding::Texture { dimension: D2_ARRAY, filterable: true };
@@ -144,25 +136,16 @@ impl Resources {
             &[
                 (0, parameters.as_entire_binding()),
                 (1, wgpu::BindingResource::TextureView(&whole)),
-                (2, trilinear.clone()),
+                (2, wgpu::BindingResource::Sampler(&trilinear)),
             ],
         );
 
-        let views: Vec<_> = (0..levels).map(|level| level_view(&image, level)).collect();
+        let top = level_view(&image, 0);
         let view = wgpu::BindingResource::TextureView;
         let moments_layout =
             gpu.layout("moments", compute, &[(0, Binding::Depth { dimension: D2_ARRAY }), (1, written)]);
         let moments_group =
-            gpu.bind_group("moments", &moments_layout, &[(0, view(&maps.array)), (1, view(&views[0]))]);
-        let level_layout =
-            gpu.layout("downsample", compute, &[(0, sampled), (3, Binding::Sampler), (4, written)]);
-        let level_groups = views
-            .windows(2)
-            .map(|pair| {
-                let resources = [(0, view(&pair[0])), (3, trilinear.clone()), (4, view(&pair[1]))];
-                gpu.bind_group("downsample", &level_layout, &resources)
-            })
-            .collect();
+            gpu.bind_group("moments", &moments_layout, &[(0, view(&maps.array)), (1, view(&top))]);
         Ok(Self {
             layout,
             bind_group,
@@ -172,12 +155,7 @@ impl Resources {
                 &[None, Some(&moments_layout)],
             ),
             moments_group,
-            downsample: gpu.compute_pipeline(
-                &gpu.shader("downsample", &[])?,
-                "downsample_rgba32",
-                &[Some(&level_layout)],
-            ),
-            level_groups,
+            levels: Downsample::new(gpu, &image, &trilinear)?,
             resolution,
         })
     }
@@ -196,16 +174,11 @@ impl ShadowResources for Resources {
         if light_count == 0 {
             return;
         }
-        let tiles = |size: u32| size.div_ceil(8);
+        let tiles = self.resolution.div_ceil(8);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.moments);
         pass.set_bind_group(1, &self.moments_group, &[]);
-        pass.dispatch_workgroups(tiles(self.resolution), tiles(self.resolution), light_count);
-        pass.set_pipeline(&self.downsample);
-        for (level, group) in (1..).zip(&self.level_groups) {
-            let size = tiles(self.resolution >> level);
-            pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(size, size, light_count);
-        }
+        pass.dispatch_workgroups(tiles, tiles, light_count);
+        self.levels.encode(&mut pass, light_count);
     }
 }

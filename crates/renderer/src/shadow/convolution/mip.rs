@@ -1,5 +1,6 @@
 //! Basis images of half floats with mip chains.
 
+use super::super::downsample::Downsample;
 use super::{DEPTH_FORMAT, IMAGES, Images};
 use crate::bindings::{Binding, D2_ARRAY, level_view};
 use crate::depth_maps::DepthMaps;
@@ -17,9 +18,9 @@ pub(super) struct MipChain {
     basis: Dispatch,
     basis_depth: Dispatch,
     basis_depth_group: wgpu::BindGroup,
-    steps: Vec<MipStep>,
-    mip_rgba16: wgpu::ComputePipeline,
-    mip_r32: wgpu::ComputePipeline,
+    /// Of the basis images.
+    basis_levels: Vec<Downsample>,
+    depth_levels: Downsample,
     resolution: u32,
     groups: u32,
 }
@@ -27,13 +28,6 @@ pub(super) struct MipChain {
 struct Dispatch {
     pipeline: wgpu::ComputePipeline,
     bind_group: wgpu::BindGroup,
-}
-
-/// One level of one texture.
-struct MipStep {
-    bind_group: wgpu::BindGroup,
-    size: u32,
-    basis: bool,
 }
 
 impl MipChain {
@@ -57,7 +51,6 @@ impl MipChain {
         };
 
         let compute = wgpu::ShaderStages::COMPUTE;
-        let sampled = Binding::Texture { dimension: D2_ARRAY, filterable: true };
         let written = |format| Binding::StorageTexture { format, dimension: D2_ARRAY };
         let module = gpu.shader("basis", &[])?;
         let basis_layout = gpu.layout(
@@ -100,37 +93,16 @@ impl MipChain {
             &[(0, wgpu::BindingResource::TextureView(&top_depth))],
         );
 
-        let module = gpu.shader("downsample", &[])?;
-        let mip_layout = |binding, format| {
-            let bindings = [(0, sampled), (binding, written(format)), (3, Binding::Sampler)];
-            gpu.layout("downsample", compute, &bindings)
-        };
-        let (rgba16_layout, r32_layout) = (mip_layout(1, BASIS_FORMAT), mip_layout(2, DEPTH_FORMAT));
-        let mut steps = Vec::new();
-        for level in 1..levels {
-            let basis_images = images.basis.iter().map(|image| (image, true));
-            for (image, basis) in basis_images.chain([(&images.depth, false)]) {
-                let (fine, coarse) = (level_view(image, level - 1), level_view(image, level));
-                let (layout, binding) = if basis { (&rgba16_layout, 1) } else { (&r32_layout, 2) };
-                let bind_group = gpu.bind_group(
-                    "downsample",
-                    layout,
-                    &[
-                        (0, wgpu::BindingResource::TextureView(&fine)),
-                        (binding, wgpu::BindingResource::TextureView(&coarse)),
-                        (3, wgpu::BindingResource::Sampler(sampler)),
-                    ],
-                );
-                steps.push(MipStep { bind_group, size: resolution >> level, basis });
-            }
+        let mut basis_levels = Vec::new();
+        for image in &images.basis {
+            basis_levels.push(Downsample::new(gpu, image, sampler)?);
         }
         let chain = Self {
             basis,
             basis_depth,
             basis_depth_group,
-            steps,
-            mip_rgba16: gpu.compute_pipeline(&module, "downsample_rgba16", &[Some(&rgba16_layout)]),
-            mip_r32: gpu.compute_pipeline(&module, "downsample_r32", &[Some(&r32_layout)]),
+            basis_levels,
+            depth_levels: Downsample::new(gpu, &images.depth, sampler)?,
             resolution,
             groups,
         };
@@ -138,9 +110,8 @@ impl MipChain {
     }
 
     pub fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
-        let tiles = |size: u32| size.div_ceil(8);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        let full = tiles(self.resolution);
+        let full = self.resolution.div_ceil(8);
         pass.set_pipeline(&self.basis.pipeline);
         pass.set_bind_group(0, &self.basis.bind_group, &[]);
         pass.dispatch_workgroups(full, full, light_count * self.groups);
@@ -148,11 +119,9 @@ impl MipChain {
         pass.set_bind_group(0, &self.basis_depth.bind_group, &[]);
         pass.set_bind_group(1, &self.basis_depth_group, &[]);
         pass.dispatch_workgroups(full, full, light_count);
-        for step in &self.steps {
-            pass.set_pipeline(if step.basis { &self.mip_rgba16 } else { &self.mip_r32 });
-            pass.set_bind_group(0, &step.bind_group, &[]);
-            let layers = if step.basis { light_count * self.groups } else { light_count };
-            pass.dispatch_workgroups(tiles(step.size), tiles(step.size), layers);
+        for levels in &self.basis_levels {
+            levels.encode(&mut pass, light_count * self.groups);
         }
+        self.depth_levels.encode(&mut pass, light_count);
     }
 }

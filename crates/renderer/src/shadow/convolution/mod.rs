@@ -5,6 +5,7 @@ mod tests;
 
 use gnomon_shaders::{layout, twin::series};
 
+use super::downsample::trilinear_sampler;
 use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
 use crate::bindings::{Binding, D2_ARRAY, array_view};
 use crate::depth_maps::DepthMaps;
@@ -215,13 +216,7 @@ impl Resources {
         let parameters = settings.parameters(maps.resolution)?;
         let parameters =
             gpu.buffer_with("convolution", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
-        let trilinear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("trilinear"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        });
+        let trilinear = trilinear_sampler(gpu);
         let groups = settings.groups();
         let (filter, images) = match settings.prefilter {
             Prefilter::MipChain => {
