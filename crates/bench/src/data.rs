@@ -92,6 +92,8 @@ const SCENES: &[Source] = &[
     Source { name: "glossy_bunny", files: &["models/stanford_bunny_35947v.ply"], stand_in: "column" },
     Source { name: "glossy_triceratops", files: &["models/triceratops.obj"], stand_in: "three-boxes" },
     Source { name: "glossy_horse", files: &["models/horse_48485v.ply"], stand_in: "column" },
+    Source { name: "brainstem", files: &["models/BrainStem.glb"], stand_in: "column" },
+    Source { name: "fox", files: &["models/Fox.glb"], stand_in: "three-boxes" },
     Source { name: "terrain", files: &[], stand_in: "terrain" },
 ];
 

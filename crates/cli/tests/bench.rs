@@ -22,7 +22,7 @@ fn every_subtractive_experiment_leaves_readable_files() {
 
 #[test]
 fn every_motion_experiment_leaves_readable_files() {
-    check_suite("motion", &["environment"], "longest over median at rest");
+    check_suite("motion", &["animation", "environment"], "longest over median at rest");
 }
 
 /// Runs a suite without data; its experiments are `expected`, and what it prints holds `printed`.

@@ -1,5 +1,6 @@
 //! Everything that moves: what motion costs, and how far behind it anything lags.
 
+mod animation;
 mod environment;
 
 use crate::Suite;
@@ -8,5 +9,5 @@ use crate::Suite;
 pub(crate) const SUITE: Suite = Suite {
     name: "motion",
     title: "Motion: what it costs that everything may change in every frame",
-    experiments: &[&environment::TurningEnvironment],
+    experiments: &[&animation::Animation, &environment::TurningEnvironment],
 };
