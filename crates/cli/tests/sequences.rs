@@ -111,7 +111,26 @@ fn frames_of_other_settings_are_not_mixed() {
     run(&["--env", "sky", "--frames", "0..9", "--duration", "0.1"]).failed("ends with frame 2");
     run(&["--env", "sky", "--frames", "5..3"]).failed("0..99");
     run(&["--env", "sky", "--duration=-3"]).failed("above 0");
+    run(&["--env", "sky", "--frames", "0..4294967295"]).failed("at most 1000000 frames");
     run(&["--env", "sky", "--clip", "Dance"]).failed("no clip 'Dance'");
+}
+
+#[test]
+fn a_picture_of_a_clip_is_the_frame_of_its_time() {
+    let Some(model) = gnomon_testing::data_file("models/BoxAnimated.glb") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let fixed = ["reference", model.to_str().unwrap(), "--env", "room", "--size", "16x12", "--spp", "4"];
+        gnomon(folder.path(), &[&fixed[..], arguments].concat())
+    };
+    // Without --clip a sequence plays the first one, and a single picture none.
+    run(&["--frames", "0..3", "--fps", "2", "-o", "x.exr"]).succeeded();
+    run(&["--clip", "0", "--time", "1.5", "-o", "single.exr"]).succeeded();
+    run(&["-o", "rest.exr"]).succeeded();
+    let [single, frame, rest] =
+        ["single.exr", "x_0003.exr", "rest.exr"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert!(single == frame && single != rest);
+    run(&["--clip", "7", "-o", "a.exr"]).failed("clip");
 }
 
 #[cfg(unix)]

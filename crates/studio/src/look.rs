@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use gnomon_brdf::Surface;
 use gnomon_envmap::Projection;
 use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::FitOptions;
 use gnomon_lights::fit::{by_name, sampler_by_name};
 use gnomon_renderer::shadow::{ConvolutionSettings, Prefilter, ShadowSettings};
 use gnomon_renderer::{RenderSettings, ShadowSizing};
-use gnomon_scene::{Camera, EnvironmentSource, Ground};
+use gnomon_scene::{Camera, EnvironmentSource, Ground, ReflectanceSettings};
 use serde::{Deserialize, Serialize};
 
 use crate::StudioError;
@@ -184,8 +185,8 @@ pub struct DisplayLook {
     /// Width and height [pixels].
     pub size: [u32; 2],
     /// Stops of exposure; `None` brings the environment's mean to 0.5, so that pictures of a moving scene keep one exposure. In a scene
-    /// file it is the environment's.
-    #[serde(skip)]
+    /// file `None` leaves it to what `[environment]` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
     /// Name of a [`ToneMapping`].
     pub tone_mapping: String,
@@ -287,6 +288,15 @@ impl Look {
         keep(&mut self.render, &before.render, &after.render);
         keep(&mut self.display, &before.display, &after.display);
         keep(&mut self.environment, &before.environment, &after.environment);
+    }
+
+    /// Gives one material, by its number in the scene, the reflectance of a surface.
+    ///
+    /// # Errors
+    /// [`StudioError::Scene`] for a parameter out of its range.
+    pub fn set_surface(&mut self, material: usize, surface: &Surface) -> Result<(), StudioError> {
+        self.surfaces.insert(material, ReflectanceSettings::of(surface)?.to_string());
+        Ok(())
     }
 
     /// The renderer's settings, for an environment whose suitable exposure is `automatic_exposure` [stops].

@@ -11,14 +11,14 @@ pub(crate) fn first_clip(scene: &Scene) -> Option<String> {
 
 /// Takes the pose that a look asks for; a scene is at rest where it asks for no clip.
 pub(crate) fn pose(scene: &mut Scene, look: &AnimationLook) -> Result<(), StudioError> {
+    if !look.time.is_finite() {
+        return Err(StudioError::Request(format!("a clip has no time {}", look.time)));
+    }
     let Some(name) = &look.clip else {
         scene.rest();
         return Ok(());
     };
     let clip = clip_index(scene, name)?;
-    if !look.time.is_finite() {
-        return Err(StudioError::Request(format!("a clip has no time {}", look.time)));
-    }
     let duration = scene.animations[clip].duration();
     // The end itself is the last pose, not the first again.
     let is_beyond = duration > 0.0 && !(0.0..=duration).contains(&look.time);

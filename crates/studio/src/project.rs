@@ -110,8 +110,9 @@ impl Project {
         let Sections { fit, render, display, animation, surface } = sections.unwrap_or_default();
         look.fit = fit.unwrap_or(look.fit);
         look.render = render.unwrap_or(look.render);
+        let exposure = display.as_ref().and_then(|display| display.exposure);
         look.display = display.map_or(look.display.clone(), |display| DisplayLook {
-            exposure: look.display.exposure,
+            exposure: display.exposure.or(look.display.exposure),
             ..display
         });
         look.display.size = size.unwrap_or(look.display.size);
@@ -139,7 +140,7 @@ impl Project {
             look.environment.source = Some(own.source);
             look.environment.projection = own.projection;
             look.environment.rotation = own.rotation_degrees;
-            look.display.exposure = own.exposure_ev;
+            look.display.exposure = exposure.or(own.exposure_ev);
         }
         Ok(Self { source, scene, look })
     }

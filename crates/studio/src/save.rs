@@ -35,14 +35,8 @@ struct EnvironmentTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     projection: Option<String>,
     rotation: f32,
-    exposure: Exposure,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Exposure {
-    Stops(f32),
-    Word(&'static str),
+    /// `[display]` has the number, where there is one.
+    exposure: &'static str,
 }
 
 #[derive(Serialize)]
@@ -99,7 +93,7 @@ impl Stage {
                 builtin,
                 projection: environment.projection.clone(),
                 rotation: environment.rotation,
-                exposure: look.display.exposure.map_or(Exposure::Word("automatic"), Exposure::Stops),
+                exposure: "automatic",
             },
             fit: &look.fit,
             render: &look.render,

@@ -184,14 +184,20 @@ impl Studio {
         look.fit.check()?;
         look.settings(0.0)?.check()?;
         let change = self.stage.change_look(look)?;
-        let settings = self.settings()?;
         if change.dressed {
             self.renderer.set_materials(self.stage.scene())?;
         }
-        if change.dressed || change.moved {
+        if change.moved {
             self.renderer.move_scene(self.stage.scene())?;
         }
-        let look = self.stage.look();
+        self.apply_settings(&was)?;
+        self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
+        Ok(())
+    }
+
+    /// Techniques and display, where they are others than those of `was`.
+    fn apply_settings(&mut self, was: &Look) -> Result<(), StudioError> {
+        let (settings, look) = (self.settings()?, self.stage.look());
         // The ambient rest belongs to the lighting, which a thread works out.
         let drawn =
             |render: &RenderLook| RenderLook { ambient: String::new(), ambient_cells: 0, ..render.clone() };
@@ -201,7 +207,6 @@ impl Studio {
             let RenderSettings { exposure_ev, tone_mapping, background, .. } = settings;
             self.renderer.set_display(exposure_ev, tone_mapping, background)?;
         }
-        self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
         Ok(())
     }
 

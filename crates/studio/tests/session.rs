@@ -5,6 +5,8 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
+use gnomon_brdf::Surface;
 use gnomon_image::RgbImage;
 use gnomon_metrics::tolerances::GPU_RELATIVE_RMSE;
 use gnomon_renderer::{Gpu, GpuOptions, RenderError, RenderSettings};
@@ -58,7 +60,7 @@ fn the_default_look_is_the_default_settings() {
 
 type Edit = (&'static str, fn(&mut Look));
 
-const EDITS: [Edit; 10] = [
+const EDITS: [Edit; 11] = [
     ("nothing", |_| {}),
     ("exposure", |look| look.display.exposure = Some(1.5)),
     ("tone mapping", |look| look.display.tone_mapping = "linear".to_owned()),
@@ -69,6 +71,10 @@ const EDITS: [Edit; 10] = [
     ("rotation", |look| look.environment.rotation = 77.0),
     ("technique", |look| look.render.shadows = "pcf".to_owned()),
     ("reflectance", |look| look.reflectance = Some("phong:shininess=30,specular=0.4".to_owned())),
+    ("one surface", |look| {
+        let surface = Surface { base_color: Vec3::new(0.9, 0.1, 0.1), ..Surface::default() };
+        look.set_surface(0, &surface).unwrap();
+    }),
     ("fit", |look| look.fit.method = "disks".to_owned()),
     ("ambient rest", |look| look.render.ambient = "occlusion".to_owned()),
     ("environment", |look| look.environment.source = Some(environment_named("sky"))),

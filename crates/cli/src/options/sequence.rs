@@ -55,6 +55,9 @@ impl FromStr for Frames {
 /// Frames a second where nobody says.
 const FRAMES_PER_SECOND: f32 = 25.0;
 
+/// Most frames of a sequence: eleven hours of a film.
+const MOST_FRAMES: u32 = 1_000_000;
+
 impl SequenceArgs {
     /// Whether a sequence is asked for, rather than one picture.
     pub fn is_given(&self) -> bool {
@@ -110,6 +113,9 @@ impl SequenceArgs {
             (Some(Frames(frames)), _) => frames.clone(),
             (None, last) => 0..=last.unwrap_or(0),
         };
+        if frames.end() - frames.start() >= MOST_FRAMES {
+            return Err(CliError::usage(format!("a sequence has at most {MOST_FRAMES} frames")));
+        }
         Ok((Sequence::new(stage, timeline)?, frames))
     }
 }

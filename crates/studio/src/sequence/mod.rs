@@ -93,8 +93,8 @@ impl Sequence {
         let seconds = self.timeline.seconds(frame);
         let mut look = self.look.clone();
         look.animation.time = (f64::from(look.animation.time) + seconds) as f32;
-        look.environment.rotation =
-            (f64::from(look.environment.rotation) + environment_turn * seconds) as f32;
+        let rotation = f64::from(look.environment.rotation) + environment_turn * seconds;
+        look.environment.rotation = (rotation % 360.0) as f32;
         if turntable != 0.0 {
             let angle = (turntable * seconds).rem_euclid(360.0).to_radians() as f32;
             let mut camera = self.camera.clone();

@@ -147,14 +147,11 @@ impl Studio {
         let now = self.look().clone();
         let taken = loaded.and_then(|LoadedStage { stage, lighting, asked }| {
             let before = std::mem::replace(&mut self.stage, stage);
-            let result = self.put_on_device(lighting);
+            let result = self.put_on_device(before.look()).and_then(|()| self.light_up(lighting));
             if result.is_err() {
-                self.stage = before;
+                let failed = std::mem::replace(&mut self.stage, before);
                 // It was on the device before: there is no reason why it should not be again.
-                self.renderer.set_scene(self.stage.scene())?;
-                let settings = self.settings()?;
-                self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
-                self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
+                self.put_on_device(failed.look())?;
             }
             result.map(|()| asked)
         });
@@ -169,11 +166,10 @@ impl Studio {
         }
     }
 
-    fn put_on_device(&mut self, lighting: LightingResult) -> Result<(), StudioError> {
+    /// Puts the stage on the device, where another was, seen by `was`; all but its environment.
+    fn put_on_device(&mut self, was: &Look) -> Result<(), StudioError> {
         self.renderer.set_scene(self.stage.scene())?;
-        let settings = self.settings()?;
-        self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
-        self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
-        self.light_up(lighting)
+        self.apply_settings(was)?;
+        Ok(self.renderer.set_environment_rotation(self.stage.world_from_environment())?)
     }
 }
