@@ -66,8 +66,12 @@ impl Stage {
     fn scene_file(&self, path: &Path) -> Result<String, StudioError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut scene = self.scene_tables(folder)?;
-        REPLACED.iter().for_each(|key| drop(scene.remove(*key)));
         let look = self.look();
+        // The scene's own camera is found again, and goes on moving where a clip moves it.
+        let is_own = look.camera == CameraLook::Automatic && self.reloads_its_camera();
+        let camera = scene.get("camera").filter(|_| is_own).cloned();
+        REPLACED.iter().for_each(|key| drop(scene.remove(*key)));
+        scene.extend(camera.map(|camera| ("camera".to_owned(), camera)));
         let environment = &look.environment;
         let (file, builtin) = match &environment.source {
             Some(EnvironmentSource::File(file)) => (Some(relative(file, folder)?), None),
@@ -83,11 +87,7 @@ impl Stage {
         });
         let tables = LookTables {
             ground: look.ground,
-            // A camera of an animated node is found again by the order of cameras, others by what they are.
-            camera: match look.camera {
-                CameraLook::Automatic if self.scene().cameras.is_empty() => None,
-                _ => Some(self.camera()?),
-            },
+            camera: if is_own { None } else { Some(self.camera()?) },
             environment: EnvironmentTable {
                 file,
                 builtin,

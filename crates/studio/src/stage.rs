@@ -32,6 +32,8 @@ struct Bare {
     warnings: usize,
     /// Of the file's own pose, without the ground where there is more.
     bounds: Option<Bounds>,
+    /// Width over height of the pictures that it was loaded for.
+    aspect: f32,
 }
 
 /// What a new look changed in the scene.
@@ -44,7 +46,7 @@ pub(crate) struct SceneChange {
 }
 
 impl Bare {
-    fn of(scene: &Scene) -> Self {
+    fn of(scene: &Scene, aspect: f32) -> Self {
         Self {
             materials: scene.materials.clone(),
             material_of_mesh: scene.meshes.iter().map(|mesh| mesh.material).collect(),
@@ -52,6 +54,7 @@ impl Bare {
             ground: scene.ground,
             warnings: scene.warnings.len(),
             bounds: scene.bounds_without_ground().or_else(|| scene.bounds()),
+            aspect,
         }
     }
 
@@ -105,7 +108,7 @@ impl Stage {
     ) -> Result<Self, StudioError> {
         let Project { source, mut scene, look } = project;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
-        let bare = Bare::of(&scene);
+        let bare = Bare::of(&scene, look.display.aspect());
         dress(&mut scene, &look)?;
         pose(&mut scene, &look.animation)?;
         let mut stage = Self { source, look, scene: Arc::new(scene), bare, environment, warnings };
@@ -152,6 +155,12 @@ impl Stage {
                 Ok(self.scene.cameras.first().cloned().unwrap_or_else(|| self.framing()))
             }
         }
+    }
+
+    /// Whether the automatic camera of a scene that is loaded anew, for pictures of this size, is the present one: a lens that a file gives by
+    /// its vertical angle is that of the aspect at loading.
+    pub(crate) fn reloads_its_camera(&self) -> bool {
+        self.scene.cameras.is_empty() || self.look.display.aspect() == self.bare.aspect
     }
 
     /// A view that frames the scene's models as they are at rest.

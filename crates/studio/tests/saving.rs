@@ -1,0 +1,139 @@
+//! Saved scenes, opened again.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
+
+use std::path::Path;
+
+use glam::Vec3;
+use gnomon_brdf::{Model, Surface};
+use gnomon_scene::Ground;
+use gnomon_studio::{CameraLook, FitLook, Look, Project, Stage, StudioError, environment_named};
+
+fn open(name: &str, size: Option<[u32; 2]>) -> Result<Stage, StudioError> {
+    let mut project = Project::open(name, Look::default(), size)?;
+    if project.look.environment.source.is_none() {
+        project.set_environment(environment_named("room"));
+    }
+    Stage::new(project)
+}
+
+/// The same picture: scene, view and everything of the look but names of files, which are seen from elsewhere.
+fn assert_same(saved: &Stage, opened: &Stage, what: &str) {
+    assert_eq!(
+        opened.camera().unwrap().world_from_camera,
+        saved.camera().unwrap().world_from_camera,
+        "{what}"
+    );
+    assert_eq!(opened.camera().unwrap().projection, saved.camera().unwrap().projection, "{what}");
+    let (a, b) = (saved.scene(), opened.scene());
+    assert_eq!(a.placed_lights(), b.placed_lights(), "{what}");
+    assert!(a.meshes == b.meshes && a.textures == b.textures, "{what}");
+    let surfaces =
+        |materials: &[gnomon_scene::Material]| materials.iter().map(|m| m.surface).collect::<Vec<_>>();
+    assert_eq!(surfaces(&a.materials), surfaces(&b.materials), "{what}");
+    assert_eq!(a.bounds(), b.bounds(), "{what}");
+    assert_eq!(a.ground.is_some(), b.ground.is_some(), "{what}");
+    assert!(saved.environment().radiance() == opened.environment().radiance(), "{what}");
+    let (a, b) = (saved.look(), opened.look());
+    assert_eq!(
+        (&a.fit, &a.render, &a.display, &a.animation),
+        (&b.fit, &b.render, &b.display, &b.animation),
+        "{what}"
+    );
+    assert_eq!((a.ground, &a.surfaces, &a.reflectance), (b.ground, &b.surfaces, &b.reflectance), "{what}");
+    assert_eq!(a.environment.rotation, b.environment.rotation, "{what}");
+}
+
+fn changed(look: &Look) -> Look {
+    let mut look = look.clone();
+    look.fit = FitLook { method: "disks".to_owned(), threshold: Some(0.1), seed: 3, ..look.fit };
+    look.render.shadows = "pcss".to_owned();
+    look.render.contact_samples = 3;
+    look.display.exposure = Some(1.0 / 3.0);
+    look.display.tone_mapping = "linear".to_owned();
+    look.display.background = false;
+    look.environment.rotation = 33.3;
+    look.ground = Ground::Plane;
+    look.reflectance = Some("torrance-sparrow-beckmann:slope=0.31,specular=0.123".to_owned());
+    let surface = Surface {
+        model: Model::Phong,
+        shininess: 7.7,
+        specular: 0.2,
+        base_color: Vec3::splat(0.1),
+        ..Surface::default()
+    };
+    look.set_surface(0, &surface).unwrap();
+    look.camera = CameraLook::Free("eye=1.1,2.2,3.3; target=0.1,0.2,0.3; fov=33.3".parse().unwrap());
+    look
+}
+
+fn check(name: &str, folder: &Path) {
+    let mut stage = open(name, Some([96, 72])).unwrap();
+    let looks = [
+        stage.look().clone(),
+        changed(stage.look()),
+        // Another aspect than the one that the scene was loaded for.
+        {
+            let mut look = stage.look().clone();
+            look.display.size = [128, 64];
+            look
+        },
+    ];
+    for (index, look) in looks.into_iter().enumerate() {
+        stage.set_look(look).unwrap();
+        let path = folder.join("deep").join("scene.toml");
+        stage.save_scene(&path).unwrap();
+        let opened = open(path.to_str().unwrap(), None).unwrap();
+        assert_same(&stage, &opened, &format!("{name} {index}"));
+        // Once more, from elsewhere.
+        let again = folder.join("again.toml");
+        opened.save_scene(&again).unwrap();
+        assert_same(&stage, &open(again.to_str().unwrap(), None).unwrap(), &format!("{name} {index}, again"));
+    }
+}
+
+#[test]
+fn builtin_scenes_and_files_come_back_as_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("deep")).unwrap();
+    std::fs::write(folder.path().join("quad.obj"), "v -1 0 -1\nv 1 0.5 -1\nv 1 0.2 1\nv -1 0 1\nf 1 4 3 2\n")
+        .unwrap();
+    let text = "ground = \"plane\"\n[camera]\neye = [3, 2, 1]\ntarget = [0, 0, 0]\nfov = 41.7\n[environment]\nbuiltin = \"sky\"\n\
+        [[model]]\nfile = \"quad.obj\"\nname = \"sheet\"\nmaterial = \"clay\"\n[material.clay]\nroughness = 0.3\n\
+        [[light]]\nshape = \"disk\"\nradius = 0.2\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\nradiance = [3, 2, 1]\n";
+    std::fs::write(folder.path().join("lit.toml"), text).unwrap();
+    for name in ["three-boxes", "column", "terrain"] {
+        check(name, folder.path());
+    }
+    for name in ["quad.obj", "lit.toml"] {
+        check(folder.path().join(name).to_str().unwrap(), folder.path());
+    }
+}
+
+#[test]
+fn models_with_cameras_and_clips_come_back_as_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("deep")).unwrap();
+    for name in ["scenes/three_boxes.glb", "models/CornellBox.glb"] {
+        let Some(path) = gnomon_testing::data_file(name) else { return };
+        check(path.to_str().unwrap(), folder.path());
+    }
+    let Some(path) = gnomon_testing::data_file("models/RiggedSimple.glb") else { return };
+    let mut stage = open(path.to_str().unwrap(), Some([96, 72])).unwrap();
+    let mut look = stage.look().clone();
+    look.animation.clip = Some("0".to_owned());
+    look.animation.time = 0.4;
+    stage.set_look(look).unwrap();
+    let saved = folder.path().join("posed.toml");
+    stage.save_scene(&saved).unwrap();
+    assert_same(&stage, &open(saved.to_str().unwrap(), None).unwrap(), "posed");
+}
+
+#[test]
+fn a_failed_save_leaves_the_file_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let stage = open("column", None).unwrap();
+    let error = stage.save_scene(&folder.path().join("absent/scene.toml")).unwrap_err().to_string();
+    assert!(error.contains("scene.toml") || error.contains("absent"), "{error}");
+    assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
+}
