@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
@@ -74,6 +74,7 @@ pub(crate) struct Converging {
     key: Key,
     cancel: Arc<AtomicBool>,
     progress: Arc<Progress>,
+    thread: JoinHandle<()>,
 }
 
 impl Drop for Converging {
@@ -131,13 +132,16 @@ impl Converging {
             let Err(error) = ended;
             *told.lock().unwrap_or_else(PoisonError::into_inner) = Err(error);
         });
-        thread.map_err(|_| StudioError::Thread("the reference"))?;
-        Ok(Self { key, cancel, progress })
+        let thread = thread.map_err(|_| StudioError::Thread("the reference"))?;
+        Ok(Self { key, cancel, progress, thread })
     }
 
     /// The picture so far.
     pub fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
-        Ok(self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()?)
+        // Asked first: a thread that ends says why before it does.
+        let ended = self.thread.is_finished();
+        let picture = self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
+        if ended { Err(StudioError::Thread("the reference")) } else { Ok(picture) }
     }
 }
 

@@ -264,7 +264,7 @@ impl Studio {
     /// depends on, which this has to be called to find out: once a frame.
     ///
     /// # Errors
-    /// What the reference tracer refuses: an empty picture, a camera without a lens.
+    /// As [`Stage::camera`], and where no thread is to be had. What the tracer refuses [`Studio::reference`] tells.
     pub fn converge(&mut self, width: u32, height: u32) -> Result<(), StudioError> {
         let (stage, before) = (&self.stage, self.converging.take());
         self.converging = Some(Converging::follow(before, stage, [width, height])?);
@@ -279,7 +279,7 @@ impl Studio {
     /// The reference as far as it has come; `None` before its first pass and while nothing is traced.
     ///
     /// # Errors
-    /// Why tracing ended.
+    /// [`StudioError::Reference`] for what the tracer refuses: an empty picture, a camera without a lens.
     pub fn reference(&self) -> Result<Option<ReferencePicture>, StudioError> {
         self.converging.as_ref().map_or(Ok(None), Converging::picture)
     }

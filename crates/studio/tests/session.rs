@@ -200,6 +200,14 @@ fn the_reference_converges_and_starts_anew_when_something_changes() {
     let (drawn, _) = picture(&mut studio);
     let error = turned.relative_rmse(&drawn).unwrap();
     assert!(error < 2.0 * GPU_RELATIVE_RMSE + turned.noise, "{error}");
+    studio.converge(0, 4).unwrap();
+    let refused = loop {
+        match studio.reference() {
+            Err(error) => break error.to_string(),
+            Ok(_) => assert!(Instant::now() < deadline),
+        }
+    };
+    assert!(refused.contains("empty"), "{refused}");
     studio.stop_converging();
     assert!(studio.reference().unwrap().is_none());
 }
