@@ -149,4 +149,10 @@ fn an_environment_that_changes_every_frame_is_refitted_behind_the_frames() {
     assert!(updates.iter().all(|update| matches!(update, Update::Lighting)), "{updates:?}");
     assert!(!studio.is_busy());
     assert_eq!(studio.environment().radiance(), map(39.0).radiance(), "the last one counts");
+    let streamed = picture(&mut studio);
+    studio.reload_environment();
+    assert!(matches!(&studio.wait()[..], [Update::Lighting]));
+    let mut opened = Studio::new(&gpu, Stage::new(project("three-boxes")).unwrap()).unwrap();
+    let shown = picture(&mut studio);
+    assert!(shown == picture(&mut opened) && shown != streamed, "back to the file's");
 }

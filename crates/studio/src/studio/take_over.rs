@@ -57,6 +57,11 @@ impl Studio {
         self.lighting.request(LightingRequest { map: MapSource::Loaded(map), look: self.look().clone() });
     }
 
+    /// Reads the look's environment anew on a thread: after its file has changed, or to end a stream.
+    pub fn reload_environment(&mut self) {
+        self.lighting.request(LightingRequest { map: MapSource::Unread, look: self.look().clone() });
+    }
+
     /// Whether a thread is busy with lights or a scene.
     pub fn is_busy(&self) -> bool {
         self.lighting.is_busy() || self.scenes.is_busy()
