@@ -57,6 +57,10 @@ pub enum CliError {
     /// The picture cannot be set up or kept.
     #[error(transparent)]
     Studio(#[from] StudioError),
+    /// There is no window, or a scripted session failed.
+    #[cfg(feature = "view")]
+    #[error(transparent)]
+    View(#[from] gnomon_viewer::ViewerError),
     /// The picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),

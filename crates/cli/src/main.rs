@@ -24,6 +24,7 @@ use crate::terminal::{Terminal, print, say};
   gnomon render bunny.ply --env grace.hdr -o bunny.png
   gnomon reference bunny.ply --env grace.hdr -o truth.exr
   gnomon compare bunny.exr truth.exr --difference difference.png
+  gnomon view bunny.ply --env grace.hdr
   gnomon demo")]
 struct Cli {
     #[command(subcommand)]
@@ -43,6 +44,8 @@ enum Command {
     Info(command::info::InfoArgs),
     Bench(command::bench::BenchArgs),
     Demo(command::demo::DemoArgs),
+    #[cfg(feature = "view")]
+    View(command::view::ViewArgs),
 }
 
 fn main() -> ExitCode {
@@ -69,6 +72,8 @@ fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), CliError> {
         Command::Info(args) => command::info::run(args),
         Command::Bench(args) => command::bench::run(args, terminal),
         Command::Demo(args) => command::demo::run(args, terminal),
+        #[cfg(feature = "view")]
+        Command::View(args) => command::view::run(args),
     }
 }
 

@@ -138,3 +138,22 @@ fn demo_writes_its_sheet() {
     let panel = gnomon::image::read(demo.join("gpu.exr")).unwrap().image;
     assert!(sheet.width() >= 2 * panel.width() && sheet.height() >= 3 * panel.height());
 }
+
+/// The value of debug views is checked in the renderer's own tests.
+#[test]
+fn debug_views_are_written_as_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    let scene = ["three-boxes", "--env", "room", "--size", "64x48", "--lights", "disks", "-o", "view.png"];
+    let run = |arguments: &[&str]| gnomon(folder.path(), &[&["render"], &scene[..], arguments].concat());
+    run(&["--debug", "normals"]).succeeded();
+    let normals = gnomon::image::read(folder.path().join("view.png")).unwrap().image;
+    // The ground's normal is +y: (0.5, 1, 0.5) as bytes, in the picture's last row.
+    let bytes =
+        normals.get(32, 47).to_array().map(|c| (255.0 * gnomon::image::tonemap::srgb_encode(c)).round());
+    assert!(bytes[1] >= 254.0 && (bytes[0] - 128.0).abs() <= 1.0, "{bytes:?}");
+    run(&["--debug", "lights", "--debug-light", "1"]).succeeded();
+    run(&["--debug", "norms"]).failed("base-color");
+}

@@ -9,3 +9,5 @@ mod level_of_detail;
 pub mod reference;
 pub mod render;
 mod sequence;
+#[cfg(feature = "view")]
+pub mod view;

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use gnomon::image::tonemap::ToneMapping;
 use gnomon::renderer::{Gpu, GpuOptions, PassTiming};
 use gnomon::studio::Studio;
 use serde_json::{Value, json};
@@ -46,6 +47,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "STATS.json", conflicts_with_all = ["frames", "duration"])]
     stats: Option<PathBuf>,
 
+    /// Show in place of the picture what it is made of: normals, depth, base-color, shadow-buffer, visibility, shadow-map, lights or points
+    #[arg(long, value_name = "VIEW", conflicts_with_all = ["frames", "duration", "stats"])]
+    debug: Option<String>,
+
+    /// The light that visibility, shadow-map and lights are about, from 0 in the order of the fit
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "debug")]
+    debug_light: usize,
+
     /// Write a scene file that brings the same picture without these options
     #[arg(long, value_name = "SCENE.toml")]
     save_scene: Option<PathBuf>,
@@ -88,15 +97,19 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     let spinner = terminal.spinner("rendering");
     let [width, height] = stage.look().display.size;
     let mut studio = Studio::new(&Gpu::new(&gpu_options)?, stage)?;
+    if let Some(view) = &args.debug {
+        studio.renderer().set_debug_view(view, args.debug_light)?;
+    }
     let frame = studio.frame(width, height)?;
     let times = args.stats.as_ref().map(|_| Times::measure(&mut studio)).transpose()?;
     drop(spinner);
     let stage = studio.stage();
-    output::write_radiance(
-        &args.output,
-        &frame.radiance,
-        (stage.exposure(), stage.look().display.tone_mapping()?),
-    )?;
+    // Debug views are no radiance: they are shown as they are.
+    let shown = match args.debug {
+        Some(_) => (0.0, ToneMapping::Linear),
+        None => (stage.exposure(), stage.look().display.tone_mapping()?),
+    };
+    output::write_radiance(&args.output, &frame.radiance, shown)?;
     if let (Some(path), Some(times)) = (&args.stats, times) {
         let mut stats = stats(&mut studio, &times);
         if let Some(settled) = &settled {

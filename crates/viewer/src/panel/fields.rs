@@ -1,0 +1,188 @@
+//! Labelled controls in two columns, each known to scripts by its name.
+
+use std::ops::RangeInclusive;
+
+use eframe::egui::{
+    Align, CollapsingHeader, ComboBox, DragValue, Layout, Response, RichText, Slider, TextEdit, Ui, Vec2,
+    emath,
+};
+
+use crate::targets::Targets;
+
+/// Width of the labels' column [points].
+const LABELS: f32 = 104.0;
+
+/// Where controls are added.
+pub struct Fields<'a> {
+    pub ui: &'a mut Ui,
+    pub targets: &'a mut Targets,
+}
+
+impl Fields<'_> {
+    /// A group that can be folded away.
+    pub fn section(&mut self, title: &str, open: bool, contents: impl FnOnce(&mut Fields<'_>)) {
+        let targets = &mut *self.targets;
+        let shown = CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show_unindented(
+            self.ui,
+            |ui| {
+                contents(&mut Fields { ui, targets: &mut *targets });
+                ui.add_space(6.0);
+            },
+        );
+        self.targets.put(self.ui, &shown.header_response, &format!("section {title}"));
+    }
+
+    /// A label, and a control that takes the rest of the row.
+    fn row<R>(&mut self, label: &str, tip: &str, control: impl FnOnce(&mut Ui, &mut Targets) -> R) -> R {
+        let targets = &mut *self.targets;
+        self.ui
+            .horizontal(|ui| {
+                let size = Vec2::new(LABELS, ui.spacing().interact_size.y);
+                let text = ui
+                    .allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                        ui.set_min_width(LABELS);
+                        ui.label(label)
+                    })
+                    .inner;
+                if !tip.is_empty() {
+                    text.on_hover_text(tip);
+                }
+                control(ui, targets)
+            })
+            .inner
+    }
+
+    /// A line of text beside a label.
+    pub fn text(&mut self, label: &str, text: &str) {
+        self.row(label, "", |ui, _| ui.add(eframe::egui::Label::new(text).truncate()));
+    }
+
+    /// One of a list. Entries are a name and a line of explanation.
+    pub fn choice<'n>(
+        &mut self,
+        label: &str,
+        name: &str,
+        chosen: &str,
+        entries: impl IntoIterator<Item = (&'n str, &'n str)>,
+    ) -> Option<&'n str> {
+        self.row(label, "", |ui, targets| {
+            let mut picked = None;
+            let width = ui.available_width() - 8.0;
+            let list =
+                ComboBox::from_id_salt(name).width(width).truncate().selected_text(chosen).height(400.0);
+            let shown = list.show_ui(ui, |ui| {
+                for (entry, summary) in entries {
+                    let response = ui.selectable_label(entry == chosen, entry);
+                    targets.put(ui, &response, &format!("{name}={entry}"));
+                    let response =
+                        if summary.is_empty() { response } else { response.on_hover_text(summary) };
+                    if response.clicked() {
+                        picked = Some(entry);
+                    }
+                }
+            });
+            targets.put(ui, &shown.response, name);
+            picked
+        })
+    }
+
+    /// A number on a slider.
+    pub fn slider<N: emath::Numeric>(
+        &mut self,
+        label: &str,
+        name: &str,
+        value: &mut N,
+        range: RangeInclusive<N>,
+        unit: &str,
+    ) -> Response {
+        self.row(label, "", |ui, targets| {
+            ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
+            let response = ui.add(Slider::new(value, range).suffix(unit));
+            targets.put(ui, &response, name);
+            response
+        })
+    }
+
+    /// A number to be typed or dragged.
+    pub fn number<N: emath::Numeric>(
+        &mut self,
+        label: &str,
+        name: &str,
+        value: &mut N,
+        range: RangeInclusive<N>,
+        tip: &str,
+    ) {
+        self.row(label, tip, |ui, targets| {
+            let response = ui.add(DragValue::new(value).range(range).update_while_editing(false));
+            targets.put(ui, &response, name);
+        });
+    }
+
+    /// A number that may be left to the program.
+    pub fn automatic<N: emath::Numeric>(
+        &mut self,
+        label: &str,
+        name: &str,
+        value: &mut Option<N>,
+        (start, range): (N, RangeInclusive<N>),
+        speed: f64,
+    ) {
+        self.row(label, "", |ui, targets| {
+            let mut automatic = value.is_none();
+            let check = ui.checkbox(&mut automatic, "automatic");
+            targets.put(ui, &check, &format!("automatic {name}"));
+            if check.changed() {
+                *value = (!automatic).then_some(start);
+            }
+            match value {
+                Some(value) => {
+                    let drag = DragValue::new(value).range(range).speed(speed).update_while_editing(false);
+                    let response = ui.add(drag);
+                    targets.put(ui, &response, name);
+                }
+                None => {
+                    let decimals = if N::INTEGRAL { 0 } else { 2 };
+                    ui.weak(format!("{:.decimals$}", start.to_f64()));
+                }
+            }
+        });
+    }
+
+    /// One of a few numbers, all of them powers of two.
+    pub fn power(&mut self, label: &str, name: &str, value: &mut u32, (least, most): (u32, u32)) {
+        let values: Vec<String> = (least.trailing_zeros()..=most.trailing_zeros())
+            .map(|power| (1_u32 << power).to_string())
+            .collect();
+        let entries = values.iter().map(|value| (value.as_str(), ""));
+        if let Some(picked) = self.choice(label, name, &value.to_string(), entries) {
+            *value = picked.parse().unwrap_or(*value);
+        }
+    }
+
+    /// Yes or no.
+    pub fn check(&mut self, label: &str, name: &str, value: &mut bool, text: &str) -> bool {
+        self.row(label, "", |ui, targets| {
+            let response = ui.checkbox(value, text);
+            targets.put(ui, &response, name);
+            response.changed()
+        })
+    }
+
+    /// A line to be typed, and a button that does something with it.
+    pub fn line(&mut self, button: &str, name: &str, text: &mut String, hint: &str) -> bool {
+        let targets = &mut *self.targets;
+        self.ui
+            .horizontal(|ui| {
+                let room = (ui.available_width() - LABELS - 14.0).max(60.0);
+                let edit = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(room));
+                targets.put(ui, &edit, &format!("{name} path"));
+                let response = ui.add_sized(
+                    [LABELS - 6.0, ui.spacing().interact_size.y],
+                    eframe::egui::Button::new(button),
+                );
+                targets.put(ui, &response, name);
+                response.clicked()
+            })
+            .inner
+    }
+}

@@ -1,0 +1,115 @@
+//! Scene, animation, material, saving.
+
+use std::path::Path;
+
+use eframe::egui::Id;
+use gnomon_scene::{Ground, builtin};
+use gnomon_studio::{AnimationLook, Look, SceneSource};
+
+use super::fields::Fields;
+use crate::material::{Material, parameters};
+use crate::viewer::Viewer;
+
+pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
+    let Some(studio) = viewer.studio() else { return };
+    let name = match studio.stage().source() {
+        SceneSource::Builtin(name) => name.clone(),
+        SceneSource::File(path) => file_name(path),
+    };
+    let triangles = studio.scene().triangle_count();
+    let animations: Vec<(String, f32)> = (studio.scene().animations.iter())
+        .map(|animation| (animation.name.clone(), animation.duration()))
+        .collect();
+    let entries = builtin::NAMES.map(|name| (name, "built in"));
+    if let Some(picked) = fields.choice("scene", "scene", &name, entries) {
+        viewer.open_scene(SceneSource::Builtin(picked.to_owned()));
+    }
+    fields.text("triangles", &triangles.to_string());
+    open_line(fields, viewer);
+    let mut ground = wanted.ground == Ground::Plane;
+    if fields.check("ground", "ground", &mut ground, "a plane under the models") {
+        wanted.ground = if ground { Ground::Plane } else { Ground::None };
+    }
+    animation(fields, viewer, wanted, &animations);
+}
+
+/// A path, for whoever cannot drop a file.
+fn open_line(fields: &mut Fields<'_>, viewer: &mut Viewer) {
+    let id = Id::unique("path to open");
+    let mut path: String = fields.ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    if fields.line("open", "open", &mut path, "file, or drop one") && !path.trim().is_empty() {
+        viewer.open_file(Path::new(path.trim()));
+    }
+    fields.ui.data_mut(|data| data.insert_temp(id, path));
+}
+
+fn animation(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look, animations: &[(String, f32)]) {
+    const REST: &str = "at rest";
+    if animations.is_empty() {
+        return;
+    }
+    let chosen = wanted.animation.clip.clone();
+    let mut names: Vec<&str> = vec![REST];
+    names.extend(animations.iter().map(|(name, _)| name.as_str()));
+    let entries = names.iter().map(|name| (*name, ""));
+    if let Some(picked) = fields.choice("clip", "clip", chosen.as_deref().unwrap_or(REST), entries) {
+        let clip = (picked != REST).then(|| picked.to_owned());
+        viewer.playing = clip.is_some();
+        wanted.animation = AnimationLook { clip, time: 0.0 };
+    }
+    let Some((_, duration)) = animations.iter().find(|(name, _)| Some(name) == chosen.as_ref()) else {
+        return;
+    };
+    let mut time = if *duration > 0.0 { wanted.animation.time.rem_euclid(*duration) } else { 0.0 };
+    if fields.slider("time", "time", &mut time, 0.0..=duration.max(1e-3), " s").changed() {
+        wanted.animation.time = time;
+        viewer.playing = false;
+    }
+    fields.check("", "play", &mut viewer.playing, "run (Space)");
+}
+
+pub fn material(fields: &mut Fields<'_>, wanted: &mut Look) {
+    const OWN: &str = "as in the scene";
+    let mut material = wanted.reflectance.as_deref().map(Material::parse);
+    let chosen = material.as_ref().map_or(OWN, |material| material.model.as_str()).to_owned();
+    let models = gnomon_brdf::MODELS.iter().map(|model| (model.name, model.summary));
+    let entries = std::iter::once((OWN, "every material keeps its own")).chain(models);
+    if let Some(picked) = fields.choice("model", "model", &chosen, entries) {
+        material = (picked != OWN).then(|| Material::of_model(picked));
+    }
+    if let Some(material) = &mut material {
+        for (parameter, value) in parameters(&material.model).iter().zip(&mut material.values) {
+            fields.slider(parameter.name, parameter.name, value, parameter.range.clone(), "");
+        }
+        let mut own = material.color.is_none();
+        fields.check("color", "own color", &mut own, "the scene's");
+        match (own, &mut material.color) {
+            (true, color) => *color = None,
+            (false, Some(color)) => {
+                fields.ui.color_edit_button_rgb(color);
+            }
+            (false, color) => *color = Some([0.5; 3]),
+        }
+    }
+    wanted.reflectance = material.map(|material| material.text());
+}
+
+pub fn save(fields: &mut Fields<'_>, viewer: &mut Viewer) {
+    let mut path = std::mem::take(&mut viewer.picture_path);
+    let picture = fields.line("save picture", "save picture", &mut path, "picture.png or .exr");
+    viewer.picture_path = path;
+    let mut path = std::mem::take(&mut viewer.scene_path);
+    let scene = fields.line("save scene", "save scene", &mut path, "scene.toml");
+    viewer.scene_path = path;
+    if picture {
+        viewer.save_picture();
+    }
+    if scene {
+        viewer.save_scene();
+    }
+}
+
+/// A path's last part, for people.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
