@@ -240,3 +240,70 @@ fn blend(joints: &[Affine3A], influences: &[(u32, f32)]) -> Option<Affine3A> {
     }
     Some(sum)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+    use crate::Node;
+
+    /// A triangle on a joint, with a morph target that shears it. Its normal and tangents are those of its plane.
+    fn bent(world_from_joint: Affine3A, weight: f32) -> Scene {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            tangents: vec![Vec4::new(1.0, 0.0, 0.0, -1.0); 3],
+            triangles: vec![[0, 1, 2]],
+            influences: Influences { starts: vec![0, 1, 2, 3], entries: vec![(0, 1.0); 3] },
+            targets: vec![MorphTarget {
+                positions: vec![Vec3::ZERO, Vec3::Z, Vec3::ZERO],
+                // From (0, 0, 1) to (-1, 0, 1), and along the edge.
+                normals: vec![Vec3::NEG_X; 3],
+                tangents: vec![Vec3::Z; 3],
+            }],
+            ..Mesh::default()
+        };
+        let (mesh, skin) = (vec![mesh], Skin { joints: vec![NodeId(1)], ..Skin::default() });
+        let placed = Node {
+            meshes: vec![MeshId(0)],
+            skin: Some(SkinId(0)),
+            weights: vec![weight],
+            // Counts for nothing.
+            parent_from_node: Affine3A::from_translation(Vec3::splat(9.0)),
+            ..Node::default()
+        };
+        let joint = Node { parent_from_node: world_from_joint, ..Node::default() };
+        let skins = vec![Skin { joint_from_bind: vec![Affine3A::IDENTITY], ..skin }];
+        Scene { meshes: mesh, skins, nodes: vec![placed, joint], ..Scene::default() }
+    }
+
+    #[test]
+    fn normals_stay_upright_on_bent_surfaces() {
+        let turn = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(0.4);
+        for scale in [Vec3::ONE, Vec3::new(1.0, 4.0, 0.3), Vec3::new(-2.0, 1.0, 1.0)] {
+            let joint = Affine3A::from_scale_rotation_translation(scale, turn, Vec3::ONE);
+            for weight in [0.0, 1.0] {
+                let scene = bent(joint, weight);
+                let vertices = scene.world_vertices(&scene.pose(), &scene.instances()[0]);
+                let [a, b, c] = [0, 1, 2].map(|i| vertices.positions[i]);
+                let plane = (b - a).cross(c - a).normalize() * scale.x.signum();
+                for normal in &vertices.normals {
+                    assert!(normal.distance(plane) < 1e-5, "{scale}, {weight}: {normal}, not {plane}");
+                }
+                assert!((a - Vec3::ONE).length() < 1e-6, "joints place it, not its node");
+            }
+        }
+    }
+
+    #[test]
+    fn tangents_turn_with_their_joints_and_morph() {
+        let turn = Quat::from_rotation_z(0.5) * Quat::from_rotation_y(1.2);
+        for (weight, tangent) in [(0.0, Vec3::X), (1.0, Vec3::new(1.0, 0.0, 1.0).normalize())] {
+            let scene = bent(Affine3A::from_quat(turn), weight);
+            let vertices = scene.world_vertices(&scene.pose(), &scene.instances()[0]);
+            let expected = (turn * tangent).extend(-1.0);
+            assert!(vertices.tangents[2].distance(expected) < 1e-6, "{}", vertices.tangents[2]);
+        }
+    }
+}
