@@ -15,7 +15,7 @@ use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material, Scene};
 
-const SIZE: [u32; 2] = [96, 72];
+const SIZE: [u32; 2] = [64, 48];
 const YAW: f32 = 1.9;
 
 /// Three boxes of which each looks up the environment in another way: matte by the irradiance map, glossy by the prefiltered map, Phong by
@@ -56,7 +56,7 @@ fn lights(map: &Equirect) -> LightSet {
     by_name("rectangles", &options).unwrap().fit(map).unwrap()
 }
 
-fn renderer(gpu: &Gpu, scene: &Scene, [ambient, unshadowed, shadows]: [&str; 3]) -> Renderer {
+fn renderer(gpu: &Gpu, scene: &Scene, [ambient, unshadowed, shadows, compositing]: [&str; 4]) -> Renderer {
     let settings = RenderSettings {
         samples: 2,
         shadow_sampling: 1,
@@ -64,6 +64,7 @@ fn renderer(gpu: &Gpu, scene: &Scene, [ambient, unshadowed, shadows]: [&str; 3])
         ambient: ambient.to_owned(),
         unshadowed: unshadowed.to_owned(),
         shadows: shadows.to_owned(),
+        compositing: compositing.to_owned(),
         ..RenderSettings::default()
     };
     let mut renderer = Renderer::new(gpu, settings).unwrap();
@@ -95,21 +96,29 @@ fn a_turned_environment_is_a_scene_turned_the_other_way() {
         // What depth is measured along depends on the world's axes where a ground blocks the light: a scene turned about another than +y
         // has other shadow maps, but not without them.
         let tilted = Quat::from_scaled_axis(Vec3::new(0.7, -1.3, 0.4));
-        for (ambient, unshadowed, shadows, rotation) in [
-            ("occlusion", "auto", "convolution", Quat::from_rotation_y(YAW)),
-            ("cells", "sh", "convolution", Quat::from_rotation_y(YAW)),
-            ("unshadowed", "auto", "none", tilted),
-            ("unshadowed", "sh", "none", tilted),
-        ] {
-            let case = format!("{name} {ambient} {unshadowed} {shadows}");
-            let mut live = renderer(&gpu, &scene, [ambient, unshadowed, shadows]);
-            live.set_lighting(&map, &set).unwrap();
+        // Of a fit little stays ambient; of none everything does.
+        let none = LightSet::new("none", Vec::new(), map.clone());
+        let yaw = Quat::from_rotation_y(YAW);
+        let cases = [
+            (["cells", "auto", "convolution", "ratio"], &set, yaw),
+            (["unshadowed", "auto", "none", "additive"], &none, tilted),
+            (["occlusion", "sh", "convolution", "ratio"], &set, yaw),
+            (["unshadowed", "auto", "none", "ratio"], &set, tilted),
+            (["unshadowed", "cache", "none", "ratio"], &set, tilted),
+            (["unshadowed", "sh", "none", "ratio"], &set, tilted),
+        ];
+        // One captured map is enough for what does not depend on maps.
+        let count = if name == "room" { cases.len() } else { 2 };
+        for (names, set, rotation) in cases.into_iter().take(count) {
+            let case = format!("{name} {}", names.join(" "));
+            let mut live = renderer(&gpu, &scene, names);
+            live.set_lighting(&map, set).unwrap();
             let still = picture(&mut live, camera);
             live.set_environment_rotation(rotation).unwrap();
             let shown = picture(&mut live, camera);
             let (other, view) = turned(&scene, camera, rotation.inverse());
-            let mut other = renderer(&gpu, &other, [ambient, unshadowed, shadows]);
-            other.set_lighting(&map, &set).unwrap();
+            let mut other = renderer(&gpu, &other, names);
+            other.set_lighting(&map, set).unwrap();
             let error = relative_rmse(&shown, &picture(&mut other, &view)).unwrap();
             let planted = relative_rmse(&still, &shown).unwrap();
             assert!(error < ROTATED_SCENE_RMSE, "{case}: {error}");
@@ -135,11 +144,11 @@ fn a_turned_lookup_is_a_resampled_map() {
         let set = lights(&map);
         // A whole number of texels, so that resampling changes none of them.
         let yaw = 77.0 * std::f32::consts::TAU / map.width() as f32;
-        let mut live = renderer(&gpu, &scene, ["cells", "auto", "convolution"]);
+        let mut live = renderer(&gpu, &scene, ["cells", "auto", "convolution", "ratio"]);
         live.set_environment_rotation(Quat::from_rotation_y(yaw)).unwrap();
         live.set_lighting(&map, &set).unwrap();
         let shown = picture(&mut live, camera);
-        let mut resampled = renderer(&gpu, &scene, ["cells", "auto", "convolution"]);
+        let mut resampled = renderer(&gpu, &scene, ["cells", "auto", "convolution", "ratio"]);
         // Cells of the ambient rest follow the map's own frame: lights and residual are turned, the cells made anew.
         resampled.set_lighting(&map.rotated(yaw), &set.rotated(yaw)).unwrap();
         let texels = relative_rmse(&shown, &picture(&mut resampled, camera)).unwrap();
@@ -153,7 +162,7 @@ fn a_turned_lookup_is_a_resampled_map() {
 #[test]
 fn turns_that_are_none_are_refused() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let mut renderer = renderer(&gpu, &scene(), ["cells", "auto", "convolution"]);
+    let mut renderer = renderer(&gpu, &scene(), ["cells", "auto", "convolution", "ratio"]);
     for bad in [
         Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
         Quat::from_xyzw(1.0, 1.0, 0.0, 0.0),
