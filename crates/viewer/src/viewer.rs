@@ -1,6 +1,5 @@
 //! The session behind the window: everything but widgets.
 
-use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -10,16 +9,16 @@ use gnomon_renderer::debug_view::DEBUG_VIEWS;
 use gnomon_renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange};
 use gnomon_renderer::{Gpu, RenderError};
 use gnomon_studio::{
-    AnimationLook, CameraLook, EnvironmentLook, Look, Project, SceneSource, Stage, Studio, StudioError,
-    Update, environment_named,
+    AnimationLook, CameraLook, Look, Project, Stage, Studio, StudioError, Update, environment_named,
 };
 
 use crate::Options;
-use crate::files::{FileKind, kind_of};
 use crate::notices::{Level, Notices};
 use crate::orbit::Orbit;
 use crate::pace::Pace;
 use crate::picture::{DebugChoice, Picture, Shown};
+
+mod files;
 
 /// Shown where nothing else was asked for or could be opened.
 const DEFAULT_SCENE: &str = "three-boxes";
@@ -253,33 +252,6 @@ impl Viewer {
         self.picture.touch();
     }
 
-    /// Opens a file, whatever it is.
-    pub fn open_file(&mut self, path: &Path) {
-        match kind_of(path) {
-            FileKind::Scene => self.open_scene(SceneSource::File(path.to_owned())),
-            FileKind::Environment => {
-                let name = path.to_string_lossy().into_owned();
-                self.set_environment(gnomon_scene::EnvironmentSource::File(name.into()));
-            }
-        }
-    }
-
-    /// Loads another scene.
-    pub fn open_scene(&mut self, source: SceneSource) {
-        match &mut self.studio {
-            Some(studio) => studio.load_scene(source),
-            None => self.notices.add(Level::Warning, "wait until the first scene is open"),
-        }
-    }
-
-    /// Takes another environment, as it is.
-    pub fn set_environment(&mut self, source: gnomon_scene::EnvironmentSource) {
-        self.edit(|look| {
-            look.environment = EnvironmentLook { source: Some(source), ..EnvironmentLook::default() };
-            look.display.exposure = None;
-        });
-    }
-
     /// Goes to another debug view.
     pub fn step_debug_view(&mut self, by: i32) {
         let choice = self.picture.debug.unwrap_or(DebugChoice { view: 0, light: 0 });
@@ -300,8 +272,9 @@ impl Viewer {
 
     /// Lets the clip go on, where it runs.
     fn play(&mut self) {
-        let now = Instant::now();
-        let Some(before) = self.played.replace(now).filter(|_| self.playing) else { return };
+        let now = self.playing.then(Instant::now);
+        // What passed while nothing ran does not count.
+        let (Some(before), Some(now)) = (std::mem::replace(&mut self.played, now), now) else { return };
         let step = now.duration_since(before).as_secs_f32();
         self.edit(|look| {
             look.animation = AnimationLook { time: look.animation.time + step, ..look.animation.clone() }
@@ -387,46 +360,6 @@ impl Viewer {
                 look.render.shadow_resolution = next.shadow_resolution;
                 look.render.shadow_sampling = next.shadow_sampling;
             });
-        }
-    }
-
-    /// Writes the GPU's picture at the size that is on display: PNG as it is shown, EXR as radiance.
-    pub fn save_picture(&mut self) {
-        let path = PathBuf::from(self.picture_path.trim());
-        let Some(studio) = &mut self.studio else { return };
-        let [width, height] = studio.look().display.size;
-        let saved = (|| -> Result<(), StudioError> {
-            let frame = studio.frame(width, height)?;
-            let linear = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-            let shows_values = self.picture.debug.is_some() || linear;
-            let picture = match shows_values {
-                true => frame.radiance,
-                false => {
-                    let rule = studio.look().display.tone_mapping()?;
-                    gnomon_image::tonemap::tone_mapped(&frame.radiance, rule, studio.stage().exposure())
-                }
-            };
-            Ok(gnomon_image::write(&path, &picture)?)
-        })();
-        self.picture.touch();
-        self.tell_saved(&path, saved);
-    }
-
-    /// Writes the scene with its look, so that `gnomon render` makes the picture that is on display.
-    pub fn save_scene(&mut self) {
-        let path = PathBuf::from(self.scene_path.trim());
-        let Some(studio) = &mut self.studio else { return };
-        let saved = studio.save_scene(&path);
-        self.tell_saved(&path, saved);
-    }
-
-    fn tell_saved(&mut self, path: &Path, saved: Result<(), StudioError>) {
-        match saved {
-            Ok(()) => {
-                let shown = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-                self.notices.add(Level::Done, &format!("saved {}", shown.display()));
-            }
-            Err(error) => self.notices.error(&error),
         }
     }
 }

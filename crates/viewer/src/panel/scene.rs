@@ -48,24 +48,38 @@ fn animation(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look, an
     if animations.is_empty() {
         return;
     }
-    let chosen = wanted.animation.clip.clone();
-    let mut names: Vec<&str> = vec![REST];
-    names.extend(animations.iter().map(|(name, _)| name.as_str()));
-    let entries = names.iter().map(|name| (*name, ""));
-    if let Some(picked) = fields.choice("clip", "clip", chosen.as_deref().unwrap_or(REST), entries) {
-        let clip = (picked != REST).then(|| picked.to_owned());
+    let names: Vec<&str> = animations.iter().map(|(name, _)| name.as_str()).collect();
+    let labels = clip_labels(&names);
+    let chosen = wanted.animation.clip.as_deref().and_then(|clip| clip_number(&names, clip));
+    let shown = chosen.map_or(REST, |clip| labels[clip].as_str());
+    let entries = std::iter::once(REST).chain(labels.iter().map(String::as_str)).map(|label| (label, ""));
+    if let Some(picked) = fields.choice("clip", "clip", shown, entries) {
+        let clip = labels.iter().position(|label| label == picked);
         viewer.playing = clip.is_some();
-        wanted.animation = AnimationLook { clip, time: 0.0 };
+        wanted.animation = AnimationLook { clip: clip.map(|clip| clip.to_string()), time: 0.0 };
     }
-    let Some((_, duration)) = animations.iter().find(|(name, _)| Some(name) == chosen.as_ref()) else {
-        return;
-    };
-    let mut time = if *duration > 0.0 { wanted.animation.time.rem_euclid(*duration) } else { 0.0 };
+    let Some(duration) = chosen.map(|clip| animations[clip].1) else { return };
+    let is_beyond = duration > 0.0 && wanted.animation.time > duration;
+    let mut time = if is_beyond { wanted.animation.time.rem_euclid(duration) } else { wanted.animation.time };
     if fields.slider("time", "time", &mut time, 0.0..=duration.max(1e-3), " s").changed() {
         wanted.animation.time = time;
         viewer.playing = false;
     }
     fields.check("", "play", &mut viewer.playing, "run (Space)");
+}
+
+/// Names of clips for people: a clip without a name of its own goes by its number.
+fn clip_labels(names: &[&str]) -> Vec<String> {
+    let is_own = |name: &str| !name.is_empty() && names.iter().filter(|other| **other == name).count() == 1;
+    let label =
+        |(i, name): (usize, &&str)| if is_own(name) { (*name).to_owned() } else { format!("clip {i}") };
+    names.iter().enumerate().map(label).collect()
+}
+
+/// The clip that a look means: by its name, or else by its number.
+fn clip_number(names: &[&str], clip: &str) -> Option<usize> {
+    let by_number = || clip.parse().ok().filter(|&number: &usize| number < names.len());
+    names.iter().position(|name| *name == clip).or_else(by_number)
 }
 
 pub fn material(fields: &mut Fields<'_>, wanted: &mut Look) {
@@ -112,4 +126,19 @@ pub fn save(fields: &mut Fields<'_>, viewer: &mut Viewer) {
 /// A path's last part, for people.
 pub fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clips_go_by_their_names_where_they_have_their_own() {
+        let names = ["walk", "", "run", "walk"];
+        assert_eq!(clip_labels(&names), ["clip 0", "clip 1", "run", "clip 3"]);
+        assert_eq!(clip_number(&names, "run"), Some(2));
+        assert_eq!(clip_number(&names, "3"), Some(3));
+        assert_eq!(clip_number(&names, "4"), None);
+        assert_eq!(clip_number(&[], "0"), None);
+    }
 }
