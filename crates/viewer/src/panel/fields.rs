@@ -97,7 +97,8 @@ impl Fields<'_> {
     ) -> Response {
         self.row(label, "", |ui, targets| {
             ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
-            let response = ui.add(Slider::new(value, range).suffix(unit).max_decimals(2));
+            let slider = Slider::new(value, range).suffix(unit);
+            let response = ui.add(if N::INTEGRAL { slider } else { slider.max_decimals(2) });
             targets.put(ui, &response, name);
             response
         })
