@@ -1,10 +1,10 @@
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use gnomon_brdf::{Model, Surface};
 use gnomon_envmap::Equirect;
 use gnomon_scene::{
-    Camera, Ground, LoadOptions, Material, MaterialId, MeshId, Scene, builtin, default_camera,
+    Camera, Ground, LoadOptions, Material, MaterialId, MeshId, Projection, Scene, builtin, default_camera,
 };
 
 use crate::BenchError;
@@ -101,6 +101,9 @@ const SCENES: &[Source] = &[
 const SHININESS: &[(&str, f32)] =
     &[("glossy_bunny", 40.0), ("glossy_triceratops", 500.0), ("glossy_horse", 40.0)];
 
+/// Room around a model that fills the picture, as a share of its own extent.
+const FILLING_MARGIN: f32 = 0.03;
+
 /// Pictures that an independent renderer made of a scene under an environment, in the data folder.
 const TRUTHS: &[(&str, &str, &str)] = &[
     ("three_boxes", "grace", "reference/three_boxes_grace.exr"),
@@ -170,7 +173,10 @@ impl DataFolder {
             // Light from below is part of what a highlight shows; the paper's models have nothing under them.
             ground = Ground::None;
         }
-        let camera = scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, ASPECT));
+        let mut camera = scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, ASPECT));
+        if stand_in.is_none() && SHININESS.iter().any(|(scene, _)| *scene == source.name) {
+            camera = filling(&scene, &camera);
+        }
         scene.add_ground(ground);
         Ok(Stage { name: source.name, scene, camera, stand_in })
     }
@@ -214,6 +220,30 @@ fn make_glossy(scene: &mut Scene, shininess: f32) {
             mesh.smooth_normals();
         }
     }
+}
+
+/// A camera at the same place through whose pinhole the scene just fills the picture, as the paper's models fill theirs.
+fn filling(scene: &Scene, camera: &Camera) -> Camera {
+    let pose = scene.pose();
+    let instances = scene.instances();
+    let vertices = || instances.iter().flat_map(|instance| scene.world_vertices(&pose, instance).positions);
+    // Corners of what is seen, in the picture plane at distance 1.
+    let seen = |camera: &Camera| {
+        let camera_from_world = camera.world_from_camera.inverse();
+        let places = vertices().map(|vertex| camera_from_world.transform_point3(vertex));
+        places.filter(|place| place.z < 0.0).fold(None, |seen: Option<(Vec2, Vec2)>, place| {
+            let place = place.truncate() / -place.z;
+            let (min, max) = seen.unwrap_or((place, place));
+            Some((min.min(place), max.max(place)))
+        })
+    };
+    let Some((min, max)) = seen(camera) else { return camera.clone() };
+    let middle = camera.world_from_camera.transform_point3((0.5 * (min + max)).extend(-1.0));
+    let aimed = Camera::look_at(camera.eye(), middle, 1.0);
+    let Some((min, max)) = seen(&aimed) else { return camera.clone() };
+    let half = min.abs().max(max.abs());
+    let half_width = half.x.max(half.y * ASPECT) * (1.0 + FILLING_MARGIN);
+    Camera { projection: Projection::Perspective { fov_x: 2.0 * half_width.atan() }, ..aimed }
 }
 
 fn known(sources: &'static [Source], what: &str, name: &str) -> Result<&'static Source, BenchError> {

@@ -97,9 +97,7 @@ pub(super) struct Subject {
     pub environment: Rc<Environment>,
     pub truth: Rc<Truth>,
     size: [u32; 2],
-    /// Pixels that show the scene.
-    seen: Mask,
-    /// Those of them that show its models.
+    /// Pixels that show the scene's models.
     models: Mask,
 }
 
@@ -109,29 +107,28 @@ impl Subject {
         let environment = lab.environment(case.environment)?;
         let size = lab.pick([32, 24], [96, 72], [192, 144]);
         let truth = lab.truth(&stage, &environment, size, lab.pick(2, 4096, 16_384))?;
-        let seen_of = |stage: &Stage| seen(lab, stage, &environment, size);
-        let (seen, models) = (seen_of(&stage)?, seen_of(&without_ground(&stage))?);
-        Ok(Self { case, stage, environment, truth, size, seen, models })
+        let models = models(lab, &stage, &environment, size)?;
+        Ok(Self { case, stage, environment, truth, size, models })
     }
 
     pub fn setup<'a>(&'a self, lights: &'a LightSet) -> Setup<'a> {
         Setup { stage: &self.stage, map: &self.environment.map, lights, size: self.size }
     }
 
-    /// The paper's measure: root mean square of displayed values in 0..1 over the pixels that show the scene, at the exposure that
-    /// `gnomon render` chooses.
+    /// The paper's measure: root mean square of displayed values in 0..1 over the picture, at the exposure that `gnomon render`
+    /// chooses.
     pub fn displayed_rms(&self, picture: &RgbImage) -> Result<f64, BenchError> {
-        self.rms_within(picture, &self.seen)
+        self.rms_within(picture, None)
     }
 
     /// The same over the pixels that show the models: of their glossy surfaces alone.
     pub fn models_rms(&self, picture: &RgbImage) -> Result<f64, BenchError> {
-        self.rms_within(picture, &self.models)
+        self.rms_within(picture, Some(&self.models))
     }
 
-    fn rms_within(&self, picture: &RgbImage, mask: &Mask) -> Result<f64, BenchError> {
+    fn rms_within(&self, picture: &RgbImage, mask: Option<&Mask>) -> Result<f64, BenchError> {
         let exposure = Exposure::Stops(self.environment.map.suitable_exposure());
-        let comparison = compare_displayed(picture, &self.truth.picture, Some(mask), exposure)?;
+        let comparison = compare_displayed(picture, &self.truth.picture, mask, exposure)?;
         // Peak signal-to-noise ratio is -20 log10 of it.
         Ok(10_f64.powf(-comparison.psnr / 20.0))
     }
@@ -156,10 +153,11 @@ impl Subject {
 /// How figures are to be read, for every section.
 pub(super) fn reading() -> String {
     format!(
-        "RMS is the paper's measure: the root mean square over the pixels that show the scene and over channels of {DISPLAY_MAPPING}, at the \
-         exposure of `gnomon render`, which brings the environment's mean luminance to 0.5. Relative RMSE is of linear radiance over the \
-         whole picture. The truth is ray traced; the paper's is its own picture with 1000 lights. Models are grey, matte 0.1 and Phong 0.8 \
-         with exponent 40 (bunny, horse) or 500 (triceratops), and stand free; the terrain is matte 0.5."
+        "RMS is the paper's measure: the root mean square over the picture and over channels of {DISPLAY_MAPPING}, at the exposure of \
+         `gnomon render`, which brings the environment's mean luminance to 0.5; beside it that of the pixels of the models alone, which \
+         does not depend on how much of the picture they fill. Relative RMSE is of linear radiance over the picture. The truth is ray \
+         traced; the paper's is its own picture with 1000 lights. Models are grey, matte 0.1 and Phong 0.8 with exponent 40 (bunny, \
+         horse) or 500 (triceratops), stand free and fill the picture; the terrain is matte 0.5."
     )
 }
 
@@ -189,19 +187,19 @@ pub(super) fn settings(frame: &RenderSettings, family: Family, rule: &str, sampl
     }
 }
 
-/// The stage with nothing under its models.
-fn without_ground(stage: &Stage) -> Stage {
+/// The pixels that show models: those that are not black where there is neither background nor ground.
+fn models(
+    lab: &Lab<'_>,
+    stage: &Stage,
+    environment: &Environment,
+    size: [u32; 2],
+) -> Result<Mask, BenchError> {
     let mut stage = stage.clone();
     if let Some(ground) = stage.scene.ground.and_then(|ground| stage.scene.nodes.get_mut(ground.0)) {
         ground.meshes.clear();
     }
-    stage
-}
-
-/// The pixels that show the scene: those that are not black where there is no background.
-fn seen(lab: &Lab<'_>, stage: &Stage, environment: &Environment, size: [u32; 2]) -> Result<Mask, BenchError> {
     let lights = lab.lights("samples", Some(1), environment)?;
-    let setup = Setup { stage, map: &environment.map, lights: &lights, size };
+    let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };
     let unshadowed =
         RenderSettings { shadows: "none".to_owned(), background: false, ..RenderSettings::default() };
     let picture = TimedRenderer::new(lab, unshadowed, setup)?.picture()?;
