@@ -48,7 +48,7 @@ pub struct RenderSettings {
 impl Default for RenderSettings {
     fn default() -> Self {
         Self {
-            shadows: "convolution".to_owned(),
+            shadows: "pcss".to_owned(),
             shadow_settings: ShadowSettings::default(),
             shadow_resolution: 256,
             shadow_sizing: ShadowSizing::default(),

@@ -15,6 +15,9 @@ use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::RenderSettings;
 use gnomon_scene::{Camera, LoadOptions, Scene};
 
+/// The default, and the method of Annen et al. 2008.
+const SOFT: [&str; 2] = ["pcss", "convolution"];
+
 fn fit(map: &Equirect) -> LightSet {
     let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
     gnomon_lights::fit::by_name("partition", &options).unwrap().fit(map).unwrap()
@@ -47,9 +50,12 @@ fn against_mitsuba(scene: &str, environment: &str, truth: &str) {
         let frame = render(&gpu, settings, &scene, &map, &set, &camera, [truth.width(), truth.height()]);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
-    let (soft, none) = (error("convolution"), error("none"));
-    println!("{} lights: convolution {soft:.4}, no shadows {none:.4}", set.lights.len());
-    assert!(soft <= tolerances::GPU_RELATIVE_RMSE, "{soft}");
+    let none = error("none");
+    for shadows in SOFT {
+        let soft = error(shadows);
+        println!("{} lights: {shadows} {soft:.4}, no shadows {none:.4}", set.lights.len());
+        assert!(soft <= tolerances::GPU_RELATIVE_RMSE, "{shadows}: {soft}");
+    }
     // Without shadows the same gate must fail, or it would not be looking.
     assert!(none > 2.0 * tolerances::GPU_RELATIVE_RMSE, "{none}");
 }
@@ -89,10 +95,13 @@ fn built_in_scenes_against_the_reference() {
             };
             compare(&lit(&frame.radiance), &lit(&truth), None).unwrap().relative_rmse
         };
-        let (soft, none) = (error("convolution"), error("none"));
-        println!("{environment}: convolution {soft:.4}, no shadows {none:.4}");
-        assert!(soft <= tolerances::GPU_RELATIVE_RMSE, "{environment}: {soft}");
-        assert!(none > 1.5 * soft, "{environment}: {none} against {soft}");
+        let none = error("none");
+        for shadows in SOFT {
+            let soft = error(shadows);
+            println!("{environment}: {shadows} {soft:.4}, no shadows {none:.4}");
+            assert!(soft <= tolerances::GPU_RELATIVE_RMSE, "{environment}, {shadows}: {soft}");
+            assert!(none > 1.5 * soft, "{environment}, {shadows}: {none} against {soft}");
+        }
     }
 }
 
@@ -116,8 +125,12 @@ fn goldens() {
         let set =
             gnomon_lights::fit::by_name(method, &FitOptions { light_count: Some(16), ..Default::default() });
         let set = set.unwrap().fit(&map).unwrap();
-        let settings =
-            RenderSettings { compositing: compositing.to_owned(), shadow_sampling: 1, ..Default::default() };
+        let settings = RenderSettings {
+            shadows: "convolution".to_owned(),
+            compositing: compositing.to_owned(),
+            shadow_sampling: 1,
+            ..Default::default()
+        };
         let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], [96, 72]);
         let name = format!("{scene_name}_{environment}_{method}_{compositing}.exr");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(&name);

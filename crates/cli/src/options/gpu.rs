@@ -16,7 +16,7 @@ pub struct GpuArgs {
     #[command(flatten)]
     pub fit: FitArgs,
 
-    /// Shadow technique: convolution, pcss, moments, pcf, hard, hard-linear or none [default: convolution]
+    /// Shadow technique: pcss, convolution, moments, pcf, hard, hard-linear or none [default: pcss]
     #[arg(long, value_name = "NAME")]
     shadows: Option<String>,
 
