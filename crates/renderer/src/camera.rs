@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use glam::{Mat4, Vec3, Vec4};
 use gnomon_scene::{Bounds, Camera, Projection};
 
@@ -44,10 +46,25 @@ impl CameraMatrices {
         let clip_from_world = clip_from_camera * camera_from_world;
         Self { clip_from_world, world_from_clip: clip_from_world.inverse(), eye_world, view_width }
     }
+
+    /// The same for some rows of the picture's `height`, top row first: they fill the view.
+    pub fn cropped(self, height: u32, rows: Range<u32>) -> Self {
+        if rows == (0..height) {
+            return self;
+        }
+        let scale = height as f32 / rows.len().max(1) as f32;
+        let top = 1.0 - 2.0 * rows.start as f32 / height as f32;
+        let mut crop = Mat4::IDENTITY;
+        (crop.y_axis.y, crop.w_axis.y) = (scale, 1.0 - scale * top);
+        let clip_from_world = crop * self.clip_from_world;
+        Self { clip_from_world, world_from_clip: clip_from_world.inverse(), ..self }
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec2;
+
     use super::*;
 
     #[test]
@@ -56,6 +73,20 @@ mod tests {
         let m = CameraMatrices::new(&camera, 2.0, None);
         let edge = m.clip_from_world.project_point3(Vec3::new(2.0, 1.0, 0.0));
         assert!((edge.x - 1.0).abs() < 1e-5 && (edge.y - 1.0).abs() < 1e-5 && edge.z > 0.0 && edge.z < 1.0);
+    }
+
+    #[test]
+    fn cropped_rows_fill_the_view() {
+        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 90_f32.to_radians());
+        let at = |rows: Range<u32>, y: f32| {
+            let m = CameraMatrices::new(&camera, 1.0, None).cropped(100, rows);
+            m.clip_from_world.project_point3(Vec3::new(0.5, y, 0.0)).truncate()
+        };
+        // Rows 25 to 75 are the middle half of a view that is 4 m high.
+        assert!((at(25..75, 1.0) - Vec2::new(0.25, 1.0)).length() < 1e-5);
+        assert!((at(25..75, -1.0) - Vec2::new(0.25, -1.0)).length() < 1e-5);
+        assert!((at(0..100, 1.0) - Vec2::new(0.25, 0.5)).length() < 1e-5);
+        assert!((at(0..50, 2.0) - Vec2::new(0.25, 1.0)).length() < 1e-5);
     }
 
     #[test]

@@ -1,4 +1,6 @@
 use glam::{Mat4, Quat};
+use std::ops::Range;
+
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_image::tonemap::ToneMapping;
@@ -27,6 +29,7 @@ use crate::shadow_batches::ShadowBatches;
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
+mod bands;
 mod debug;
 mod display;
 mod live;
@@ -272,58 +275,33 @@ impl Renderer {
         self.lighting.as_ref().map_or(0, |lit| lit.batches.len())
     }
 
-    /// Draws one frame of `width` x `height` pixels and waits for it.
-    ///
-    /// # Errors
-    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed.
-    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
-        let timings = self.draw(camera, width, height)?;
-        let Some(target) = &self.target else {
-            return Err(RenderError::Device("no frame was drawn".to_owned()));
-        };
-        let bytes = self.gpu.read_texture(&target.output.radiance, 16)?;
-        let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        let texels = texels.into_iter().map(|[r, g, b, _]| glam::Vec3::new(r, g, b)).collect();
-        let radiance = RgbImage::from_texels(width, height, texels)
-            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
-        let display = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(&target.output.display, 4)?);
-        Ok(Frame { radiance, display, timings })
+    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+        let largest = self.gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
+        in_range("picture width", width, 1..=largest)?;
+        in_range("picture height", height, 1..=largest)?;
+        Ok(())
     }
 
-    /// Draws one frame without reading it back, and waits until the device is idle: what a benchmark times.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`].
-    pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
-        let timings = self.submit(camera, width, height)?;
-        self.gpu.wait()?;
-        Ok(timings)
-    }
-
-    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`].
-    ///
-    /// # Errors
-    /// As [`Renderer::render`]; faults of the device may come only with a later call.
-    pub fn submit(
+    /// Draws so many rows of a picture of `width` x `height` pixels, top row first, without waiting for them.
+    fn submit_rows(
         &mut self,
         camera: &Camera,
-        width: u32,
-        height: u32,
+        [width, height]: [u32; 2],
+        rows: Range<u32>,
     ) -> Result<Vec<PassTiming>, RenderError> {
         let gpu = &self.gpu;
         gpu.check()?;
-        let largest = gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
-        in_range("picture width", width, 1..=largest)?;
-        in_range("picture height", height, 1..=largest)?;
-        if self.target.as_ref().is_none_or(|target| target.size != [width, height]) {
-            self.target = Some(self.new_target([width, height])?);
+        let size = [width, rows.len() as u32];
+        if self.target.as_ref().is_none_or(|target| target.size != size) {
+            self.target = Some(self.new_target(size)?);
         }
         let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
         let samples = self.settings.samples;
-        let sample_size = [width * samples, height * samples];
-        self.write_uniforms(lit, camera, sample_size);
+        let sample_size = size.map(|side| side * samples);
+        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+        self.write_uniforms(lit, camera, &matrices.cropped(height, rows), sample_size);
 
         let mut recorder = Recorder::new(gpu, self.settings.profile);
         self.passes.transform.encode(&mut recorder, &self.geometry);
@@ -365,8 +343,13 @@ impl Renderer {
         recorder.finish()
     }
 
-    fn write_uniforms(&self, lit: &Lit, camera: &Camera, [width, height]: [u32; 2]) {
-        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+    fn write_uniforms(
+        &self,
+        lit: &Lit,
+        camera: &Camera,
+        matrices: &CameraMatrices,
+        [width, height]: [u32; 2],
+    ) {
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
         let view = layout::View {

@@ -30,6 +30,14 @@ pub(crate) struct ShadingPointsPass {
     dispatch_size: wgpu::ComputePipeline,
 }
 
+/// Bytes of the sums of light for a picture of `sample_size` samples.
+pub(crate) fn sum_bytes(sample_size: [u32; 2], sampling: u32) -> u64 {
+    let [width, height] = sample_size.map(u64::from);
+    let side = u64::from(sampling);
+    let tiles = width.div_ceil(side) * height.div_ceil(side);
+    capacity(width * height, tiles, sampling) * size_of::<layout::LightSums>() as u64
+}
+
 /// Room for points: all samples where each has its own, else every tile's and those of every second sample.
 fn capacity(sample_count: u64, tile_count: u64, sampling: u32) -> u64 {
     if sampling == 1 { sample_count } else { tile_count + sample_count.div_ceil(2) }
@@ -74,7 +82,7 @@ impl ShadingPointsPass {
         let side = u64::from(sampling);
         let (samples, tiles) = (width * height, width.div_ceil(side) * height.div_ceil(side));
         let capacity = capacity(samples, tiles, sampling);
-        let sum_bytes = capacity * size_of::<layout::LightSums>() as u64;
+        let sum_bytes = sum_bytes(sample_size, sampling);
         let largest = gpu.device.limits().max_storage_buffer_binding_size;
         if sum_bytes > largest {
             return Err(RenderError::OverLimit {

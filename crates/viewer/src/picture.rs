@@ -100,7 +100,7 @@ impl Picture {
     /// Draws the GPU's picture of so many pixels where it is out of date; whether it did.
     ///
     /// # Errors
-    /// As [`Studio::draw`].
+    /// As [`Studio::submit`].
     pub fn draw(
         &mut self,
         studio: &mut Studio,
@@ -121,7 +121,8 @@ impl Picture {
         // A picture that cannot be drawn is not tried again until something changes.
         (self.stale, self.size, self.radiance) = (false, size, None);
         let began = Instant::now();
-        self.passes = studio.draw(size[0], size[1])?;
+        self.passes = studio.submit(size[0], size[1])?;
+        studio.renderer().wait().map_err(StudioError::from)?;
         self.frame_ms = began.elapsed().as_secs_f64() * 1e3;
         if let Some(view) = studio.renderer().display_view() {
             self.show(state, &view);

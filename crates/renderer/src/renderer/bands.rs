@@ -1,0 +1,197 @@
+//! Pictures that are too large for one buffer of light sums, in bands of rows.
+
+use std::ops::Range;
+
+use bytemuck::pod_collect_to_vec;
+use gnomon_image::RgbImage;
+use gnomon_scene::Camera;
+
+use super::{Frame, Renderer};
+use crate::recorder::PassTiming;
+use crate::settings::RenderSettings;
+use crate::{RenderError, shading_points};
+
+/// Rows of a picture that are drawn at once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Band {
+    /// With the neighbours that samples near the edge look at.
+    drawn: Range<u32>,
+    /// Of these: the part that becomes the picture's.
+    kept: Range<u32>,
+}
+
+/// A picture of `height` rows in bands of `kept` rows that overlap by `overlap`, both whole multiples of a tile.
+fn cut(height: u32, kept: u32, overlap: u32) -> Vec<Band> {
+    let starts = (0..height).step_by(kept.max(1) as usize);
+    starts
+        .map(|start| {
+            let end = (start + kept).min(height);
+            let drawn = start.saturating_sub(overlap)..(end + overlap).min(height);
+            Band { drawn, kept: start..end }
+        })
+        .collect()
+}
+
+impl Renderer {
+    /// How a picture has to be cut: one band where the adapter allows buffers for all of its samples. Debug views are never cut.
+    fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
+        let RenderSettings { samples, shadow_sampling: sampling, .. } = self.settings;
+        let fits = |rows: u32| {
+            let sums = shading_points::sum_bytes([width * samples, rows * samples], sampling);
+            sums <= self.gpu.device.limits().max_storage_buffer_binding_size
+        };
+        // Samples look at the tiles around their own. So many pixels hold a whole number of tiles.
+        let overlap = (2 * sampling).div_ceil(samples).next_multiple_of(sampling);
+        let tiles = (1..=height.div_ceil(sampling)).rev();
+        let most = || tiles.map(|tiles| tiles * sampling).find(|rows| fits(rows + 2 * overlap));
+        let whole = Band { drawn: 0..height, kept: 0..height };
+        if self.debug.is_some() || fits(height) {
+            return vec![whole];
+        }
+        // Where not even one row of tiles fits, the error is that of the whole picture.
+        most().map_or(vec![whole], |kept| cut(height, kept, overlap))
+    }
+
+    /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
+    /// samples it is drawn in bands of rows, each with shadow maps of its own; [`Renderer::display_view`] then shows the last one.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed.
+    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
+        self.check_size([width, height])?;
+        self.render_bands(camera, [width, height], &self.bands([width, height]))
+    }
+
+    fn render_bands(
+        &mut self,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        bands: &[Band],
+    ) -> Result<Frame, RenderError> {
+        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+        for band in bands {
+            add(&mut timings, self.submit_rows(camera, [width, height], band.drawn.clone())?);
+            self.gpu.wait()?;
+            let Some(target) = &self.target else {
+                return Err(RenderError::Device("no frame was drawn".to_owned()));
+            };
+            let texels: Vec<[f32; 4]> =
+                pod_collect_to_vec(&self.gpu.read_texture(&target.output.radiance, 16)?);
+            let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&self.gpu.read_texture(&target.output.display, 4)?);
+            let before = ((band.kept.start - band.drawn.start) * width) as usize;
+            let count = (band.kept.len() as u32 * width) as usize;
+            let kept = texels.iter().skip(before).take(count);
+            radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
+            display.extend(bytes.into_iter().skip(before).take(count));
+        }
+        let radiance = RgbImage::from_texels(width, height, radiance)
+            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
+        Ok(Frame { radiance, display, timings })
+    }
+
+    /// Draws one frame without reading it back, in bands as [`Renderer::render`] does, and waits until the device is idle: what a
+    /// benchmark times.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
+        self.check_size([width, height])?;
+        let mut timings = Vec::new();
+        for band in self.bands([width, height]) {
+            add(&mut timings, self.submit_rows(camera, [width, height], band.drawn)?);
+            self.gpu.wait()?;
+        }
+        Ok(timings)
+    }
+
+    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`].
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
+    /// may come only with a later call.
+    pub fn submit(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<PassTiming>, RenderError> {
+        self.check_size([width, height])?;
+        self.submit_rows(camera, [width, height], 0..height)
+    }
+
+    /// Waits until everything that was submitted is drawn.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] where the device failed.
+    pub fn wait(&self) -> Result<(), RenderError> {
+        self.gpu.wait()
+    }
+}
+
+/// Adds a band's times to those of the bands before it.
+fn add(timings: &mut Vec<PassTiming>, of_band: Vec<PassTiming>) {
+    if timings.is_empty() {
+        *timings = of_band;
+        return;
+    }
+    for (sum, pass) in timings.iter_mut().zip(of_band) {
+        sum.milliseconds += pass.milliseconds;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnomon_lights::fit::{FitOptions, by_name};
+    use gnomon_scene::builtin;
+
+    use super::*;
+    use crate::{Gpu, GpuOptions};
+
+    #[test]
+    fn bands_keep_every_row_once_and_overlap() {
+        for (height, kept, overlap) in [(100, 32, 4), (96, 32, 8), (5, 32, 4), (33, 1, 2)] {
+            let bands = cut(height, kept, overlap);
+            let rows: Vec<u32> = bands.iter().flat_map(|band| band.kept.clone()).collect();
+            assert_eq!(rows, (0..height).collect::<Vec<_>>());
+            for Band { drawn, kept } in &bands {
+                assert!(drawn.start == 0 || drawn.start + overlap == kept.start);
+                assert!(drawn.end == height || drawn.end == kept.end + overlap);
+            }
+        }
+    }
+
+    #[test]
+    fn a_picture_in_bands_is_the_whole_picture() {
+        let Ok(gpu) = Gpu::new(&GpuOptions::default()) else {
+            gnomon_testing::skip("no adapter");
+            return;
+        };
+        let scene = builtin::by_name("three-boxes").unwrap();
+        let map = gnomon_envmap::builtin::sized("room", 128, 64).unwrap();
+        let options = FitOptions { light_count: Some(8), ..FitOptions::default() };
+        let lights = by_name("partition", &options).unwrap().fit(&map).unwrap();
+        for sampling in [1, 2, 4] {
+            let settings = RenderSettings { shadow_sampling: sampling, ..RenderSettings::default() };
+            let mut renderer = Renderer::new(&gpu, settings).unwrap();
+            renderer.set_scene(&scene).unwrap();
+            renderer.set_lighting(&map, &lights).unwrap();
+            let size = [64, 50];
+            let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
+            let mut differences = |overlap: u32| {
+                let banded = renderer.render_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
+                assert_eq!(banded.display.len(), whole.display.len());
+                let pairs = whole.radiance.texels().iter().zip(banded.radiance.texels());
+                // Directions are rounded a little differently, which bright places of the environment show.
+                let differs = |(a, b): &(&glam::Vec3, &glam::Vec3)| {
+                    (**a - **b).abs().max_element() > 2e-3 * a.max_element().max(1.0)
+                };
+                pairs.filter(differs).count()
+            };
+            // An edge may fall on the other side of a sample's centre.
+            let found = differences(4);
+            assert!(found <= 4, "{sampling}: {found}");
+            // Without overlap seams are seen.
+            assert!(sampling == 1 || differences(0) > 20, "{sampling}");
+        }
+    }
+}
