@@ -1,8 +1,7 @@
 //! Gnomon in a program's own winit loop: the program opens the device, and no picture is read back.
-use std::{error::Error, sync::Arc};
-
 use gnomon::renderer::{Gpu, Presenter, RenderSettings, Renderer, wgpu};
 use gnomon::{envmap, lights::fit, scene};
+use std::{error::Error, sync::Arc};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};
@@ -48,6 +47,8 @@ impl View {
         if let wgpu::CurrentSurfaceTexture::Success(frame) = self.surface.get_current_texture() {
             self.presenter.draw(&self.renderer, &frame.texture.create_view(&Default::default()))?;
             gpu.queue().present(frame);
+        } else {
+            self.config.width = 0; // configured anew, as after having been minimised
         }
         self.window.request_redraw();
         Ok(())
@@ -55,7 +56,6 @@ impl View {
 }
 
 struct App(Result<Option<View>, Box<dyn Error>>);
-
 impl ApplicationHandler for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         self.0 = View::open(event_loop).map(Some);
