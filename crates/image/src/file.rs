@@ -28,7 +28,7 @@ const FORMATS: &[Format] = &[
     Format { name: "OpenEXR", extensions: &["exr"], writable: true, sniff: exr::sniff, decode: exr::decode },
     Format {
         name: "Radiance",
-        extensions: &["hdr", "pic"],
+        extensions: &["hdr", "pic", "rgbe"],
         writable: false,
         sniff: hdr::sniff,
         decode: hdr::decode,

@@ -13,6 +13,9 @@ use crate::player::{Player, Request, Status};
 use crate::targets::Targets;
 use crate::viewer::Viewer;
 
+#[cfg(test)]
+mod tests;
+
 /// Narrower windows start with the panel hidden [points].
 const ROOM_FOR_PANEL: f32 = 620.0;
 /// Width of the panel [points].
@@ -51,8 +54,13 @@ impl<'a> App<'a> {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let state = creation.wgpu_render_state.clone().ok_or("eframe runs without wgpu")?;
         creation.egui_ctx.set_theme(egui::Theme::Dark);
+        Ok(Self::over(state, viewer, player))
+    }
+
+    /// Draws with a window's device.
+    fn over(state: RenderState, viewer: &'a mut Viewer, player: Option<&'a mut Player>) -> Self {
         viewer.attach(&state);
-        Ok(Self {
+        Self {
             viewer,
             player,
             state,
@@ -61,7 +69,7 @@ impl<'a> App<'a> {
             panel: None,
             closing: false,
             place: Rect::ZERO,
-        })
+        }
     }
 
     fn has_panel(&self, width: f32) -> bool {
@@ -101,14 +109,14 @@ impl<'a> App<'a> {
             Action::Dolly(by) => viewer.move_view(|orbit| orbit.dolly(DOLLY_STEP.powi(-by))),
             Action::Frame => viewer.frame_scene(),
             Action::RotateEnvironment(by) => viewer.edit(|look| {
-                let turned = look.environment.rotation + ROTATION_STEP * by as f32;
-                look.environment.rotation = (turned + 180.0).rem_euclid(360.0) - 180.0;
+                look.environment.rotation =
+                    panel::wrapped(look.environment.rotation + ROTATION_STEP * by as f32);
             }),
             Action::Exposure(by) => {
                 let exposure = viewer.studio().map(|studio| studio.stage().exposure());
                 viewer.edit(|look| look.display.exposure = exposure.map(|stops| stops + 0.5 * by as f32));
             }
-            Action::Play => viewer.playing = !viewer.playing,
+            Action::Play => viewer.toggle_playing(),
             Action::Panel => self.panel = Some(!self.has_panel(ctx.content_rect().width())),
             Action::Times => viewer.times = !viewer.times,
             Action::SavePicture => viewer.save_picture(),
@@ -127,6 +135,8 @@ impl<'a> App<'a> {
     fn picture(&mut self, ui: &mut Ui) {
         let rect = ui.available_rect_before_wrap();
         if !(rect.width() >= 1.0 && rect.height() >= 1.0) {
+            // The panel leaves no room; messages are still to be seen.
+            self.place = ui.ctx().content_rect();
             return;
         }
         self.place = rect;
@@ -199,6 +209,13 @@ impl eframe::App for App<'_> {
     }
 
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}
+
+impl App<'_> {
+    /// One frame.
+    fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         // Nothing can be painted any more: the window is opened anew.
         if self.closing || self.viewer.device_is_lost() {
@@ -231,7 +248,7 @@ impl eframe::App for App<'_> {
         }
         let has_panel = self.has_panel(ctx.content_rect().width());
         overlay::buttons(&ctx, &mut self.targets, has_panel, &mut self.panel, &mut self.help);
-        overlay::notices(&ctx, self.place, &mut self.targets, &mut self.viewer.notices);
-        overlay::help(&ctx, &mut self.help);
+        let notices = overlay::notices(&ctx, self.place, &mut self.targets, &mut self.viewer.notices);
+        overlay::help(&ctx, &mut self.help, notices);
     }
 }

@@ -13,10 +13,11 @@ pub enum FileKind {
 
 /// Tells by the name. Whatever is no picture is tried as a scene, whose loader then says what it cannot read.
 pub fn kind_of(path: &Path) -> FileKind {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("hdr" | "pic" | "rgbe" | "exr" | "png" | "jpg" | "jpeg") => FileKind::Environment,
-        _ => FileKind::Scene,
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let mut formats = gnomon_image::formats().iter();
+    match formats.any(|format| format.extensions.contains(&extension.as_str())) {
+        true => FileKind::Environment,
+        false => FileKind::Scene,
     }
 }
 
@@ -29,6 +30,7 @@ mod tests {
         for (name, kind) in [
             ("a.hdr", FileKind::Environment),
             ("a.b.EXR", FileKind::Environment),
+            ("a.jpeg", FileKind::Environment),
             ("fox.glb", FileKind::Scene),
             ("scene.toml", FileKind::Scene),
             ("README", FileKind::Scene),

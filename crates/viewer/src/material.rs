@@ -41,21 +41,24 @@ pub struct Material {
     pub values: Vec<f32>,
     /// In place of the materials' own, linear.
     pub color: Option<[f32; 3]>,
+    /// `KEY=VALUE` of parameters without a slider.
+    pub others: Vec<String>,
 }
 
 impl Material {
     /// A model with its sliders where they start.
     pub fn of_model(model: &str) -> Self {
         let values = parameters(model).iter().map(|parameter| parameter.start).collect();
-        Self { model: model.to_owned(), values, color: None }
+        Self { model: model.to_owned(), values, color: None, others: Vec::new() }
     }
 
-    /// Reads `MODEL:KEY=VALUE,...`; what has no slider is passed over.
+    /// Reads `MODEL:KEY=VALUE,...`.
     pub fn parse(text: &str) -> Self {
         let (model, given) = text.split_once(':').unwrap_or((text, ""));
         let mut material = Self::of_model(model.trim());
         for (key, value) in given.split(',').filter_map(|part| part.split_once('=')) {
             let number = |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite());
+            let slot = parameters(model.trim()).iter().position(|parameter| parameter.name == key.trim());
             if matches!(key.trim(), "base_color" | "diffuse") {
                 let channels: Vec<f32> = value.split('/').filter_map(number).collect();
                 material.color = match channels.as_slice() {
@@ -63,9 +66,9 @@ impl Material {
                     [r, g, b] => Some([*r, *g, *b]),
                     _ => None,
                 };
-            }
-            let slot = parameters(model.trim()).iter().position(|parameter| parameter.name == key.trim());
-            if let (Some(slot), Some(value)) = (slot, number(value)) {
+            } else if slot.is_none() {
+                material.others.push(format!("{}={}", key.trim(), value.trim()));
+            } else if let (Some(slot), Some(value)) = (slot, number(value)) {
                 material.values[slot] = value;
             }
         }
@@ -80,6 +83,7 @@ impl Material {
         if let Some([r, g, b]) = self.color {
             parts.push(format!("base_color={r}/{g}/{b}"));
         }
+        parts.extend(self.others.iter().cloned());
         match parts.is_empty() {
             true => self.model.clone(),
             false => format!("{}:{}", self.model, parts.join(",")),
@@ -114,6 +118,14 @@ mod tests {
                 assert!(text.parse::<ReflectanceSettings>().is_ok(), "{text}");
             }
         }
+    }
+
+    #[test]
+    fn parameters_without_a_slider_are_kept() {
+        let mut material = Material::parse("phong:shininess=40, specular_color = 1/0.5/0 ,specular=0.3");
+        material.values[0] = 60.0;
+        assert_eq!(material.text(), "phong:shininess=60,specular=0.3,specular_color=1/0.5/0");
+        assert!(material.text().parse::<ReflectanceSettings>().is_ok());
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What lies over the picture: caption, messages, help.
 
 use eframe::egui::{
-    Align2, Area, Color32, Context, FontId, Frame, Grid, Id, Order, Pos2, Rect, RichText, ScrollArea, Ui,
-    Vec2, Window,
+    Align2, Area, Color32, Context, FontId, Frame, Grid, Id, Margin, Order, Pos2, Rect, RichText, ScrollArea,
+    Ui, Vec2, Window,
 };
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
 
@@ -99,69 +99,72 @@ pub fn buttons(
     });
 }
 
-/// Messages, each to be dismissed.
-pub fn notices(ctx: &Context, picture: Rect, targets: &mut Targets, notices: &mut Notices) {
+/// Messages at the foot of the picture, each to be dismissed; where they are, if there are any.
+pub fn notices(ctx: &Context, picture: Rect, targets: &mut Targets, notices: &mut Notices) -> Option<Rect> {
     if notices.expire() {
         ctx.request_repaint_after(std::time::Duration::from_millis(500));
     }
     if notices.lines().is_empty() {
-        return;
+        return None;
     }
     let mut dismissed = None;
     let width = (picture.width() - 40.0).clamp(80.0, 900.0);
-    let top = picture.center_top() + Vec2::new(0.0, 48.0);
-    Area::new(Id::unique("notices")).order(Order::Foreground).fixed_pos(top).pivot(Align2::CENTER_TOP).show(
-        ctx,
-        |ui| {
-            for (i, notice) in notices.lines().iter().enumerate() {
-                let (fill, label) = match notice.level {
-                    Level::Done => (Color32::from_rgb(28, 70, 42), ""),
-                    Level::Warning => (Color32::from_rgb(92, 70, 18), "warning: "),
-                    Level::Error => (Color32::from_rgb(110, 28, 28), "error: "),
-                };
-                Frame::NONE.fill(fill).corner_radius(5.0).inner_margin(7.0).show(ui, |ui| {
-                    ui.set_max_width(width);
-                    ui.horizontal(|ui| {
-                        let close = ui.small_button("×").on_hover_text("dismiss (Esc: all)");
-                        targets.put(ui, &close, &format!("dismiss {i}"));
-                        if close.clicked() {
-                            dismissed = Some(i);
-                        }
-                        let count = if notice.count > 1 {
-                            format!(" ({} times)", notice.count)
-                        } else {
-                            String::new()
-                        };
-                        let text =
-                            RichText::new(format!("{label}{}{count}", notice.text)).color(Color32::WHITE);
-                        ui.add(eframe::egui::Label::new(text).wrap());
-                    });
+    let foot = picture.center_bottom() - Vec2::new(0.0, 44.0);
+    let area = Area::new(Id::unique("notices")).order(Order::Foreground).fixed_pos(foot);
+    let shown = area.pivot(Align2::CENTER_BOTTOM).show(ctx, |ui| {
+        for (i, notice) in notices.lines().iter().enumerate() {
+            let (fill, label) = match notice.level {
+                Level::Done => (Color32::from_rgb(28, 70, 42), ""),
+                Level::Warning => (Color32::from_rgb(92, 70, 18), "warning: "),
+                Level::Error => (Color32::from_rgb(110, 28, 28), "error: "),
+            };
+            Frame::NONE.fill(fill).corner_radius(5.0).inner_margin(7.0).show(ui, |ui| {
+                ui.set_max_width(width);
+                ui.horizontal(|ui| {
+                    let close = ui.small_button("×").on_hover_text("dismiss (Esc: all)");
+                    targets.put(ui, &close, &format!("dismiss {i}"));
+                    if close.clicked() {
+                        dismissed = Some(i);
+                    }
+                    let count =
+                        if notice.count > 1 { format!(" ({} times)", notice.count) } else { String::new() };
+                    let text = RichText::new(format!("{label}{}{count}", notice.text)).color(Color32::WHITE);
+                    ui.add(eframe::egui::Label::new(text).wrap());
                 });
-            }
-        },
-    );
+            });
+        }
+    });
     if let Some(i) = dismissed {
         notices.dismiss(i);
     }
+    Some(shown.response.rect)
 }
 
-/// Keys and mouse.
-pub fn help(ctx: &Context, open: &mut bool) {
-    let room = ctx.content_rect().size() - Vec2::splat(60.0);
+/// Keys and mouse, above the messages.
+pub fn help(ctx: &Context, open: &mut bool, notices: Option<Rect>) {
+    let window = ctx.content_rect();
+    let foot = notices.map_or(window.bottom(), |notices| notices.top()).clamp(window.top(), window.bottom());
+    let room = foot - window.top();
     Window::new("Keys and mouse")
+        .id(Id::unique("keys and mouse"))
         .open(open)
         .collapsible(false)
         .resizable(false)
-        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .anchor(Align2::CENTER_CENTER, Vec2::new(0.0, 0.5 * (foot - window.bottom())))
         .show(ctx, |ui| {
-            let height = (room.y - 40.0).max(60.0);
+            let height = (room - 100.0).max(60.0);
             ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-                Grid::new("help").num_columns(2).spacing(Vec2::new(24.0, 5.0)).striped(true).show(ui, |ui| {
-                    for (keys, what) in HELP {
-                        ui.strong(*keys);
-                        ui.label(*what);
-                        ui.end_row();
-                    }
+                // Room for the scroll bar.
+                let room = Margin { right: 12, ..Margin::ZERO };
+                Frame::NONE.inner_margin(room).show(ui, |ui| {
+                    let grid = Grid::new("help").num_columns(2).spacing(Vec2::new(24.0, 5.0));
+                    grid.striped(true).show(ui, |ui| {
+                        for (keys, what) in HELP {
+                            ui.strong(*keys);
+                            ui.label(*what);
+                            ui.end_row();
+                        }
+                    });
                 });
             });
         });

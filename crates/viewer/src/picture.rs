@@ -120,6 +120,8 @@ impl Picture {
         }
         // A picture that cannot be drawn is not tried again until something changes.
         (self.stale, self.size, self.radiance) = (false, size, None);
+        // What was compared with the picture before is no longer true.
+        (self.truth, self.traced_from) = (None, None);
         let began = Instant::now();
         self.passes = studio.submit(size[0], size[1])?;
         studio.renderer().wait().map_err(StudioError::from)?;
@@ -140,25 +142,25 @@ impl Picture {
         }
     }
 
-    /// Goes on with the reference, and makes a texture of what there is of it; whether the reference is still to come.
+    /// Goes on with the reference, and makes a texture of what there is of it.
     ///
     /// # Errors
     /// As [`Studio::converge`], [`Studio::frame`].
-    pub fn trace(&mut self, studio: &mut Studio, ctx: &Context) -> Result<bool, StudioError> {
+    pub fn trace(&mut self, studio: &mut Studio, ctx: &Context) -> Result<(), StudioError> {
         let size = self.size;
         studio.converge(size[0], size[1])?;
         let Some(reference) = studio.reference()? else {
             (self.truth, self.traced_from) = (None, None);
-            return Ok(true);
+            return Ok(());
         };
         let from = (self.shown, reference.samples_per_pixel, size);
-        if self.traced_from == Some(from) && self.radiance.is_some() {
-            return Ok(false);
+        if self.traced_from == Some(from) {
+            return Ok(());
         }
         if self.radiance.is_none() {
             self.radiance = Some(studio.frame(size[0], size[1])?.radiance);
         }
-        let Some(radiance) = &self.radiance else { return Ok(true) };
+        let Some(radiance) = &self.radiance else { return Ok(()) };
         self.truth = Some(Truth {
             samples_per_pixel: reference.samples_per_pixel,
             error: reference.relative_rmse(radiance)?,
@@ -176,14 +178,12 @@ impl Picture {
             None => self.traced = Some(ctx.load_texture("reference", image, TextureOptions::LINEAR)),
         }
         self.traced_from = Some(from);
-        Ok(false)
+        Ok(())
     }
 
     /// No reference is wanted.
     pub fn forget_reference(&mut self, studio: &mut Studio) {
-        if self.truth.is_some() || self.traced.is_some() {
-            studio.stop_converging();
-        }
+        studio.stop_converging();
         (self.truth, self.traced, self.traced_from) = (None, None, None);
     }
 
@@ -193,6 +193,11 @@ impl Picture {
             (Shown::Reference | Shown::Difference, Some(traced), Some(_)) => Some(traced.id()),
             _ => self.texture,
         }
+    }
+
+    /// Whether the GPU's picture shows values in place of light.
+    pub fn is_debug_view(&self) -> bool {
+        self.debug_in_force.is_some()
     }
 
     /// Pixels of the picture that was drawn last.

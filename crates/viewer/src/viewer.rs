@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::Context;
 use eframe::egui_wgpu::RenderState;
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
-use gnomon_renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange};
+use gnomon_renderer::lod::{LodController, LodRange};
 use gnomon_renderer::{Gpu, RenderError};
 use gnomon_studio::{
     AnimationLook, CameraLook, Look, Project, Stage, Studio, StudioError, Update, environment_named,
@@ -18,6 +18,7 @@ use crate::orbit::Orbit;
 use crate::pace::Pace;
 use crate::picture::{DebugChoice, Picture, Shown};
 
+mod detail;
 mod files;
 
 /// Shown where nothing else was asked for or could be opened.
@@ -270,6 +271,12 @@ impl Viewer {
         }
     }
 
+    /// Runs or stops the clip, where one is chosen.
+    pub fn toggle_playing(&mut self) {
+        let has_clip = self.studio.as_ref().is_some_and(|studio| studio.look().animation.clip.is_some());
+        self.playing = has_clip && !self.playing;
+    }
+
     /// Lets the clip go on, where it runs.
     fn play(&mut self) {
         let now = self.playing.then(Instant::now);
@@ -327,7 +334,7 @@ impl Viewer {
             self.picture.forget_reference(studio);
         } else if !moving {
             match self.picture.trace(studio, ctx) {
-                Ok(_) => ctx.request_repaint_after(Duration::from_millis(150)),
+                Ok(()) => ctx.request_repaint_after(Duration::from_millis(150)),
                 Err(error) => {
                     self.notices.error(&error);
                     self.picture.shown = Shown::Gpu;
@@ -338,28 +345,6 @@ impl Viewer {
             ctx.request_repaint();
         } else if self.is_loading() {
             ctx.request_repaint_after(Duration::from_millis(50));
-        }
-    }
-
-    /// Lets the level of detail follow a frame's times.
-    fn choose_detail(&mut self) {
-        let (Some(controller), Some(studio)) = (&mut self.controller, &self.studio) else { return };
-        if studio.is_busy() || self.picture.passes.is_empty() || self.picture.debug.is_some() {
-            return;
-        }
-        let look = studio.look();
-        let drawn = LevelOfDetail {
-            lights: studio.lights().lights.len() as u32,
-            shadow_resolution: look.render.shadow_resolution,
-            shadow_sampling: look.render.shadow_sampling,
-        };
-        let next = controller.next(drawn, &FrameTimes::from_passes(&self.picture.passes));
-        if next != drawn && (next.lights as usize) != look.fit.light_count.unwrap_or(0) {
-            self.edit(|look| {
-                look.fit.light_count = Some(next.lights as usize);
-                look.render.shadow_resolution = next.shadow_resolution;
-                look.render.shadow_sampling = next.shadow_sampling;
-            });
         }
     }
 }

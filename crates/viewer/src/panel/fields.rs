@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    Align, CollapsingHeader, ComboBox, DragValue, Layout, Response, RichText, Slider, TextEdit, Ui, Vec2,
-    emath,
+    Align, CollapsingHeader, ComboBox, DragValue, Layout, RichText, Slider, SliderClamping, TextEdit, Ui,
+    Vec2, emath,
 };
 
 use crate::targets::Targets;
@@ -12,7 +12,7 @@ use crate::targets::Targets;
 /// Width of the labels' column [points].
 const LABELS: f32 = 104.0;
 
-/// Where controls are added.
+/// Where controls are added. They change a value only where the user does: values may be finer than a control shows, and outside of its range.
 pub struct Fields<'a> {
     pub ui: &'a mut Ui,
     pub targets: &'a mut Targets,
@@ -86,7 +86,7 @@ impl Fields<'_> {
         })
     }
 
-    /// A number on a slider.
+    /// A number on a slider; whether the user changed it.
     pub fn slider<N: emath::Numeric>(
         &mut self,
         label: &str,
@@ -94,13 +94,13 @@ impl Fields<'_> {
         value: &mut N,
         range: RangeInclusive<N>,
         unit: &str,
-    ) -> Response {
+    ) -> bool {
         self.row(label, "", |ui, targets| {
             ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
-            let slider = Slider::new(value, range).suffix(unit);
+            let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(unit);
             let response = ui.add(if N::INTEGRAL { slider } else { slider.max_decimals(2) });
             targets.put(ui, &response, name);
-            response
+            response.changed()
         })
     }
 
@@ -114,8 +114,7 @@ impl Fields<'_> {
         tip: &str,
     ) {
         self.row(label, tip, |ui, targets| {
-            let response = ui.add(DragValue::new(value).range(range).update_while_editing(false));
-            targets.put(ui, &response, name);
+            typed(ui, targets, name, value, |drag| drag.range(range));
         });
     }
 
@@ -136,11 +135,7 @@ impl Fields<'_> {
                 *value = (!automatic).then_some(start);
             }
             match value {
-                Some(value) => {
-                    let drag = DragValue::new(value).range(range).speed(speed).update_while_editing(false);
-                    let response = ui.add(drag);
-                    targets.put(ui, &response, name);
-                }
+                Some(value) => typed(ui, targets, name, value, |drag| drag.range(range).speed(speed)),
                 None => {
                     let decimals = if N::INTEGRAL { 0 } else { 2 };
                     ui.weak(format!("{:.decimals$}", start.to_f64()));
@@ -186,4 +181,17 @@ impl Fields<'_> {
             })
             .inner
     }
+}
+
+/// A number to be typed or dragged.
+fn typed<N: emath::Numeric>(
+    ui: &mut Ui,
+    targets: &mut Targets,
+    name: &str,
+    value: &mut N,
+    limit: impl FnOnce(DragValue<'_>) -> DragValue<'_>,
+) {
+    let drag = DragValue::new(value).update_while_editing(false).clamp_existing_to_range(false);
+    let response = ui.add(limit(drag));
+    targets.put(ui, &response, name);
 }

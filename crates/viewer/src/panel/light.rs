@@ -24,9 +24,18 @@ pub fn environment(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Lo
         };
         wanted.display.exposure = None;
     }
-    fields.slider("rotation", "rotation", &mut wanted.environment.rotation, -180.0..=180.0, "°");
+    // Any number of turns is allowed.
+    let mut rotation = wrapped(wanted.environment.rotation);
+    if fields.slider("rotation", "rotation", &mut rotation, -180.0..=180.0, "°") {
+        wanted.environment.rotation = rotation;
+    }
     fields.automatic("exposure", "exposure", &mut wanted.display.exposure, (exposure, -20.0..=20.0), 0.02);
     fields.check("background", "background", &mut wanted.display.background, "show the map");
+}
+
+/// The same angle from -180 to 180 degrees.
+pub fn wrapped(degrees: f32) -> f32 {
+    if degrees.abs() <= 180.0 { degrees } else { (degrees + 180.0).rem_euclid(360.0) - 180.0 }
 }
 
 pub fn lights(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {

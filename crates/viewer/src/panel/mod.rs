@@ -9,6 +9,8 @@ mod times;
 use eframe::egui::Ui;
 use gnomon_studio::Look;
 
+pub use light::wrapped;
+
 use crate::panel::fields::Fields;
 use crate::targets::Targets;
 use crate::viewer::Viewer;

@@ -61,7 +61,7 @@ fn animation(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look, an
     let Some(duration) = chosen.map(|clip| animations[clip].1) else { return };
     let is_beyond = duration > 0.0 && wanted.animation.time > duration;
     let mut time = if is_beyond { wanted.animation.time.rem_euclid(duration) } else { wanted.animation.time };
-    if fields.slider("time", "time", &mut time, 0.0..=duration.max(1e-3), " s").changed() {
+    if fields.slider("time", "time", &mut time, 0.0..=duration.max(1e-3), " s") {
         wanted.animation.time = time;
         viewer.playing = false;
     }
@@ -84,7 +84,8 @@ fn clip_number(names: &[&str], clip: &str) -> Option<usize> {
 
 pub fn material(fields: &mut Fields<'_>, wanted: &mut Look) {
     const OWN: &str = "as in the scene";
-    let mut material = wanted.reflectance.as_deref().map(Material::parse);
+    let now = wanted.reflectance.as_deref().map(Material::parse);
+    let mut material = now.clone();
     let chosen = material.as_ref().map_or(OWN, |material| material.model.as_str()).to_owned();
     let models = gnomon_brdf::MODELS.iter().map(|model| (model.name, model.summary));
     let entries = std::iter::once((OWN, "every material keeps its own")).chain(models);
@@ -100,12 +101,17 @@ pub fn material(fields: &mut Fields<'_>, wanted: &mut Look) {
         match (own, &mut material.color) {
             (true, color) => *color = None,
             (false, Some(color)) => {
-                fields.ui.color_edit_button_rgb(color);
+                let mut shown = *color;
+                if fields.ui.color_edit_button_rgb(&mut shown).changed() {
+                    *color = shown;
+                }
             }
             (false, color) => *color = Some([0.5; 3]),
         }
     }
-    wanted.reflectance = material.map(|material| material.text());
+    if material != now {
+        wanted.reflectance = material.map(|material| material.text());
+    }
 }
 
 pub fn save(fields: &mut Fields<'_>, viewer: &mut Viewer) {

@@ -45,8 +45,7 @@ impl Viewer {
         let saved = (|| -> Result<(), StudioError> {
             let frame = studio.frame(width, height)?;
             let linear = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-            let shows_values = self.picture.debug.is_some() || linear;
-            let picture = match shows_values {
+            let picture = match linear || self.picture.is_debug_view() {
                 true => frame.radiance,
                 false => {
                     let rule = studio.look().display.tone_mapping()?;
