@@ -1,60 +1,18 @@
 //! The window, driven by scripts on a virtual screen. Screenshots stay in `target/tmp/screenshots`.
 
 #![cfg(all(feature = "view", target_os = "linux"))]
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
+#[path = "support/screen.rs"]
+mod screen;
 mod support;
 
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
+use gnomon::image::RgbImage;
+use screen::Screen;
 use support::{Run, can_render, command, files, gnomon};
-
-/// An X server without a monitor.
-struct Screen {
-    server: Child,
-    display: String,
-}
-
-impl Screen {
-    /// `None` after printing why the test is skipped.
-    fn open() -> Option<Self> {
-        let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x960x24", "-nolisten", "tcp"])
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn();
-        let Ok(mut server) = server else {
-            gnomon_testing::skip("no virtual screen (Xvfb)");
-            return None;
-        };
-        let mut number = String::new();
-        let read = BufReader::new(server.stdout.take().unwrap()).read_line(&mut number);
-        if read.is_err() || number.trim().is_empty() {
-            gnomon_testing::skip("Xvfb does not start");
-            return None;
-        }
-        Some(Self { server, display: format!(":{}", number.trim()) })
-    }
-
-    /// Runs `gnomon view` with a script.
-    fn view(&self, folder: &Path, arguments: &[&str], script: &str) -> Run {
-        std::fs::write(folder.join("script.txt"), script).unwrap();
-        let arguments = [&["view", "--script", "script.txt"], arguments].concat();
-        let mut command = command(folder, &arguments);
-        command.env("DISPLAY", &self.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-        Run::of(&command.output().unwrap())
-    }
-}
-
-impl Drop for Screen {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
-    }
-}
 
 fn screenshots() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("screenshots");
@@ -69,12 +27,29 @@ const MODEL: &str = "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 1.5 0\nf 1 2 3\nf 1 4 2\n
 const SCENE: &str = "[[model]]\nbuiltin = \"three-boxes\"\nground = true\n\n[environment]\nbuiltin = \"room\"\n\n\
     [fit]\nlight_count = 12\n\n[render]\nsupersample = 1\n";
 
+fn read(path: &Path) -> RgbImage {
+    gnomon::image::read(path).unwrap().image
+}
+
+/// A window's contents but for its first rows, where the caption tells what a frame took.
+fn below_caption(path: &Path) -> RgbImage {
+    const ROWS: u32 = 40;
+    let whole = read(path);
+    RgbImage::from_fn(whole.width(), whole.height() - ROWS, |x, y| whole.get(x, y + ROWS))
+}
+
 /// How far two pictures of one size are apart: mean difference of their bytes.
-fn mean_difference(a: &Path, b: &Path) -> f64 {
-    let [a, b] = [a, b].map(|path| gnomon::image::read(path).unwrap().image);
+fn mean_difference(a: &RgbImage, b: &RgbImage) -> f64 {
     assert_eq!((a.width(), a.height()), (b.width(), b.height()));
     let sum: f32 = a.texels().iter().zip(b.texels()).map(|(a, b)| (a - b).abs().element_sum()).sum();
     f64::from(sum) / (3.0 * a.texels().len() as f64)
+}
+
+/// Whether a good deal of a picture is bright.
+fn is_drawn(path: &Path) -> bool {
+    let picture = read(path);
+    let bright = picture.texels().iter().filter(|texel| texel.max_element() > 0.2).count();
+    bright > picture.texels().len() / 10
 }
 
 #[test]
@@ -120,7 +95,7 @@ fn a_session_from_opening_to_reopening() {
         "key Ctrl+P\nwait idle\nexpect saved\nkey Ctrl+S\nwait 0.3\nexpect scene.toml\nexpect no error",
         "size 300 220\nwait idle",
         &shot("9-small.png"),
-        "size 1 1\nwait 0.3\nminimize\nwait 0.3\nrestore\nsize 640 480\nwait idle\nexpect no error\nquit",
+        "size 640 480\nwait idle\nexpect no error\nquit",
     ]
     .join("\n");
     std::fs::write(folder.path().join("first.toml"), SCENE).unwrap();
@@ -133,7 +108,8 @@ fn a_session_from_opening_to_reopening() {
 
     // A saved scene renders the same.
     gnomon(folder.path(), &["render", "scene.toml", "-o", "again.png"]).succeeded();
-    let off = mean_difference(&folder.path().join("picture.png"), &folder.path().join("again.png"));
+    let off =
+        mean_difference(&read(&folder.path().join("picture.png")), &read(&folder.path().join("again.png")));
     assert!(off < 1e-3, "the saved scene renders another picture: {off}");
     // And opens again.
     let script = format!("wait idle\n{}\nexpect no error\nquit", shot("10-reopened.png"));
@@ -153,9 +129,41 @@ fn a_lost_device_is_opened_anew_and_says_so() {
         shot.display()
     );
     screen.view(folder.path(), &["--size", "320x240"], &script).succeeded();
-    let picture = gnomon::image::read(&shot).unwrap().image;
-    let bright = picture.texels().iter().filter(|texel| texel.max_element() > 0.2).count();
-    assert!(bright > picture.texels().len() / 10, "nothing is drawn with the new device");
+    assert!(is_drawn(&shot), "nothing is drawn with the new device");
+}
+
+#[test]
+fn a_minimised_window_rests_and_draws_again_once_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(screen) = Screen::open() else { return };
+    if !can_render(folder.path()) {
+        return;
+    }
+    std::fs::write(folder.path().join("first.toml"), SCENE).unwrap();
+    let [before, after] = ["12-before-minimised", "13-after-minimised"]
+        .map(|name| screenshots().join(name).with_extension("png"));
+    // The window comes back with a size of one pixel, and draws that.
+    let script = [
+        "wait idle",
+        &format!("screenshot {}", before.display()),
+        "minimize\nwait 1.5\nrestore\nwait idle\nkey Ctrl+P\nwait idle\nexpect saved\nkey Escape",
+        "size 640 480\nwait idle\nexpect no error",
+        &format!("screenshot {}", after.display()),
+        "quit",
+    ]
+    .join("\n");
+    screen.view(folder.path(), &["first.toml", "--size", "640x480"], &script).succeeded();
+
+    let hidden = screen.hidden();
+    let [hidden] = hidden.as_slice() else { panic!("the window was not minimised once: {hidden:?}") };
+    assert!(hidden.time >= Duration::from_millis(1400), "{hidden:?}");
+    assert!(hidden.processor < hidden.time / 10, "the window works on while nobody sees it: {hidden:?}");
+    assert_eq!(hidden.size, (1, 1));
+    let smallest = read(&folder.path().join("picture.png"));
+    assert_eq!((smallest.width(), smallest.height()), (1, 1), "drawn at another size than the window's");
+    assert!(is_drawn(&before) && is_drawn(&after), "there is no picture");
+    let off = mean_difference(&below_caption(&before), &below_caption(&after));
+    assert!(off < 1e-4, "the picture is another than before: {off}");
 }
 
 #[test]

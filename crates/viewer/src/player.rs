@@ -19,6 +19,8 @@ use crate::targets::Targets;
 
 /// Longest wait for a condition.
 const PATIENCE: Duration = Duration::from_secs(240);
+/// Longest wait for the window system, which may refuse what it is asked for.
+const COURTESY: Duration = Duration::from_secs(5);
 /// Frames that a control has to come up.
 const FRAMES_TO_APPEAR: u32 = 40;
 /// Steps of a drag.
@@ -145,8 +147,9 @@ impl Player {
         let waits_unless = |done| if done { Progress::Done(None) } else { Progress::Waits };
         match step {
             Step::Size { width, height } => {
-                ctx.send_viewport_cmd(ViewportCommand::InnerSize(Vec2::new(*width, *height)));
-                Ok(Progress::Done(None))
+                let wanted = Vec2::new(*width, *height);
+                let is_so = (window - wanted).abs().max_elem() < 1.0;
+                Ok(self.ask(ctx, ViewportCommand::InnerSize(wanted), is_so))
             }
             Step::Key { key, modifiers } => {
                 self.press(*key, *modifiers);
@@ -212,8 +215,9 @@ impl Player {
                 Err(format!("there are errors: {}", messages(status.notices)))
             }
             Step::Minimize | Step::Restore => {
-                ctx.send_viewport_cmd(ViewportCommand::Minimized(*step == Step::Minimize));
-                Ok(Progress::Done(None))
+                let wanted = *step == Step::Minimize;
+                let is_so = raw.viewport().minimized.unwrap_or(false) == wanted;
+                Ok(self.ask(ctx, ViewportCommand::Minimized(wanted), is_so))
             }
             Step::LoseDevice => Ok(Progress::Done(Some(Request::LoseDevice))),
             Step::Quit => {
@@ -221,6 +225,15 @@ impl Player {
                 Ok(Progress::Done(None))
             }
         }
+    }
+
+    /// Asks the window system for something, once, and waits until it is so.
+    fn ask(&self, ctx: &Context, command: ViewportCommand, is_so: bool) -> Progress {
+        if self.frames == 1 {
+            ctx.send_viewport_cmd(command);
+            return Progress::Waits;
+        }
+        if is_so || self.step_began.elapsed() > COURTESY { Progress::Done(None) } else { Progress::Waits }
     }
 
     fn appears(&self, name: &str) -> Result<Progress, String> {

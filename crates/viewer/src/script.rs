@@ -2,7 +2,7 @@
 //!
 //! | line | does |
 //! |---|---|
-//! | `size WIDTH HEIGHT` | gives the window that size [points] |
+//! | `size WIDTH HEIGHT` | gives the window that size [points], and waits until it has it; goes on without where the system refuses |
 //! | `key [Ctrl+][Shift+]KEY` | presses and releases a key |
 //! | `drag left\|middle\|right X Y X Y` | drags from one place to another, in shares of the window |
 //! | `scroll X Y LINES` | turns the wheel there |
@@ -13,7 +13,7 @@
 //! | `wait SECONDS`, `wait idle`, `wait samples N` | waits: so long; until nothing is being loaded and the picture is drawn; for the reference |
 //! | `screenshot PATH.png` | writes the window's contents |
 //! | `expect TEXT`, `expect no error` | fails unless a message holds the text, unless there is no error |
-//! | `minimize`, `restore` | the window |
+//! | `minimize`, `restore` | the window, and waits likewise |
 //! | `lose device` | destroys the graphics device, as a driver's reset does |
 //! | `quit` | closes the window |
 
