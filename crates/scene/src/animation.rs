@@ -2,6 +2,8 @@
 
 use glam::{Affine3A, Quat, Vec3};
 
+use crate::load::LARGEST_COORDINATE;
+use crate::pose::LARGEST;
 use crate::{NodeId, Scene, SceneError};
 
 /// A clip of a scene: what [`Scene::animate`] plays.
@@ -236,7 +238,7 @@ impl Scene {
         self.move_cameras();
     }
 
-    fn check_clip(&self, index: usize, seconds: f32) -> Result<(), SceneError> {
+    pub(crate) fn check_clip(&self, index: usize, seconds: f32) -> Result<(), SceneError> {
         let count = self.animations.len();
         if index >= count {
             let known = if count == 0 { "it has none".to_owned() } else { format!("it has {count}, from 0") };
@@ -262,19 +264,33 @@ impl Scene {
         }
     }
 
-    /// Refuses transforms and weights that leave the range in which squares stay finite.
+    /// Refuses a pose whose transforms, weights or corners leave the range in which squares stay finite.
     fn check_pose(&self) -> Result<(), String> {
         let far = |affine: &Affine3A| {
             // False for NaN.
-            !affine.to_cols_array().into_iter().all(|entry| entry.abs() <= crate::pose::LARGEST)
+            !affine.to_cols_array().into_iter().all(|entry| entry.abs() <= LARGEST)
         };
-        if let Some(node) = self.world_from_nodes().iter().position(far) {
+        let pose = self.pose();
+        if let Some(node) = pose.world_from_nodes.iter().position(far) {
             return Err(format!("the transforms down to node {node} grow beyond all bounds"));
         }
-        let weights = self.nodes.iter().flat_map(|node| &node.weights);
-        if weights.into_iter().any(|weight| weight.is_nan() || weight.abs() > crate::pose::LARGEST) {
+        for (skin, joints) in pose.world_from_bind.iter().enumerate() {
+            if let Some(joint) = joints.iter().position(far) {
+                return Err(format!("the transforms of joint {joint} of skin {skin} grow beyond all bounds"));
+            }
+        }
+        let weights = || self.nodes.iter().flat_map(|node| &node.weights);
+        if weights().any(|weight| weight.is_nan() || weight.abs() > LARGEST) {
             return Err("morph weights grow beyond all bounds".to_owned());
         }
-        Ok(())
+        // Loaders hold corners and offsets within a bound: nearly always that tells without a look at any vertex.
+        let placed = pose.world_from_nodes.iter().chain(pose.world_from_bind.iter().flatten());
+        let scale =
+            placed.flat_map(|affine| affine.matrix3.to_cols_array()).fold(0.0, |a: f32, b| a.max(b.abs()));
+        let weight: f32 = weights().map(|weight| weight.abs()).sum();
+        if 3.0 * scale * (1.0 + weight) * LARGEST_COORDINATE <= LARGEST {
+            return Ok(());
+        }
+        self.check_extent()
     }
 }

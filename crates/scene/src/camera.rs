@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 use crate::error::one_line;
+use crate::pose::LARGEST;
 
 /// How a camera maps directions to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,18 +67,18 @@ impl Camera {
         Self::from_file(Path::new(argument))
     }
 
-    /// Reads a camera file: TOML, or JSON where it starts with `{`, with the members `eye` and `target` (three numbers each
-    /// [m]) and `fov` (horizontal [degrees]).
+    /// Reads a camera file: the keys of a scene file's `[camera]` (`SCENE_FORMAT.md`), `eye`, `target` and `fov` as people write
+    /// them or `matrix` and a lens as programs do; as TOML, or as JSON where it starts with `{`.
     ///
     /// # Errors
     /// [`SceneError::Io`], or [`SceneError::Invalid`] naming what is wrong.
     pub fn from_file(path: &Path) -> Result<Self, SceneError> {
-        const LARGEST: u64 = 1 << 20;
+        const MOST_BYTES: u64 = 1 << 20;
         let io = |source| SceneError::Io { path: path.to_owned(), source };
         let invalid =
             |message: &str| SceneError::Invalid { path: path.to_owned(), message: one_line(message) };
         let metadata = std::fs::metadata(path).map_err(io)?;
-        if !metadata.is_file() || metadata.len() > LARGEST {
+        if !metadata.is_file() || metadata.len() > MOST_BYTES {
             return Err(invalid("a camera file is a small text file"));
         }
         let text = std::fs::read_to_string(path).map_err(io)?;
@@ -196,11 +197,15 @@ impl CameraSettings {
     }
 }
 
+/// Whether squares of its coordinates stay finite; false for NaN, which a maximum would skip.
+fn is_near(place: Vec3) -> bool {
+    place.to_array().into_iter().all(|coordinate| coordinate.abs() <= LARGEST)
+}
+
 fn looking(eye: [f32; 3], target: [f32; 3]) -> Result<Mat4, String> {
     let (eye, target) = (Vec3::from_array(eye), Vec3::from_array(target));
-    // Beyond 1e15 squares of coordinates overflow.
-    if !(eye.abs().max(target.abs()).max_element() < 1e15 && eye.is_finite() && target.is_finite()) {
-        return Err("eye and target must be finite".to_owned());
+    if !(is_near(eye) && is_near(target)) {
+        return Err(format!("eye and target must be finite, and within {LARGEST:.0e} m of the origin"));
     }
     if (eye - target).try_normalize().is_none() {
         return Err("eye and target are the same point".to_owned());
@@ -217,8 +222,10 @@ fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
                 .to_owned(),
         );
     }
-    if !(eye.is_finite() && eye.abs().max_element() < 1e15) {
-        return Err("the last column of matrix, the eye, must be finite".to_owned());
+    if !is_near(eye) {
+        return Err(format!(
+            "the last column of matrix, the eye, must be finite, and within {LARGEST:.0e} m of the origin"
+        ));
     }
     Ok(Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0)))
 }

@@ -1,8 +1,8 @@
 //! What a model needs to be looked at when its file does not say: a camera, and ground to throw its shadow on.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3};
 
-use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene};
+use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene, SceneError};
 
 /// What lies under the models.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -16,7 +16,7 @@ pub enum Ground {
 }
 
 impl std::str::FromStr for Ground {
-    type Err = crate::SceneError;
+    type Err = SceneError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         match text {
@@ -24,9 +24,7 @@ impl std::str::FromStr for Ground {
             "none" => Ok(Self::None),
             _ => {
                 let text = crate::error::one_line(text);
-                Err(crate::SceneError::Request(format!(
-                    "ground '{text}' is unknown (plane and none are known)"
-                )))
+                Err(SceneError::Request(format!("ground '{text}' is unknown (plane and none are known)")))
             }
         }
     }
@@ -35,6 +33,14 @@ impl std::str::FromStr for Ground {
 /// Half the ground's side over the radius of the model's footprint. Shadow maps cover the scene's bounds, so a larger
 /// ground would cost them resolution.
 const GROUND_HALF_SIDE: f32 = 4.0;
+
+/// Half the side of the smallest ground [m]: its node's scale can be squared.
+const LEAST_HALF_SIDE: f32 = 1e-9;
+
+/// Poses in which a clip is looked at: so many a second, but not fewer or more than these, and no more than make so many vertices.
+const POSES_PER_SECOND: f32 = 8.0;
+const POSES: (usize, usize) = (16, 128);
+const POSED_VERTICES: usize = 4_000_000;
 
 /// The longer side of a default camera's picture spans this angle [rad].
 const LONG_SIDE_FOV: f32 = 40.0 * std::f32::consts::PI / 180.0;
@@ -47,17 +53,65 @@ impl Scene {
     /// its half side is four times the radius of the models' footprint. A scene without triangles, or one that
     /// has its ground already, stays as it is.
     pub fn add_ground(&mut self, ground: Ground) {
-        let (Ground::Plane, None, Some(bounds)) = (ground, self.ground, self.bounds()) else { return };
-        let center = bounds.center();
-        let footprint = 0.5 * Vec2::new(bounds.max.x - bounds.min.x, bounds.max.z - bounds.min.z).length();
-        // Something upright and flat, seen edge-on from above, still gets some ground.
-        let half = GROUND_HALF_SIDE * footprint.max(0.25 * bounds.radius()).max(f32::MIN_POSITIVE);
+        self.add_ground_under(ground, self.bounds());
+    }
+
+    /// The same under models that reach elsewhere than they do now, such as to [`Scene::bounds_of_clip`]. The mesh is that of
+    /// [`Scene::add_ground`], whatever the reach: its node places and scales it, so that another reach is but another pose.
+    pub fn add_ground_under(&mut self, ground: Ground, reach: Option<Bounds>) {
+        let (Ground::Plane, None, Some(own), Some(reach)) = (ground, self.ground, self.bounds(), reach)
+        else {
+            return;
+        };
+        // Models that are a point at rest leave no size to scale.
+        let unit = Some(half_side(own)).filter(|half| *half > LEAST_HALF_SIDE).unwrap_or(1.0);
         let material = Material { name: "ground".to_owned(), double_sided: true, ..Material::default() };
         self.materials.push(material);
-        let mut mesh = square(Vec3::new(center.x, bounds.min.y, center.z), half);
+        let mut mesh = square(Vec3::ZERO, unit);
         mesh.material = Some(MaterialId(self.materials.len() - 1));
-        self.ground = Some(self.push_mesh("ground", mesh));
+        let node = self.push_mesh("ground", mesh);
+        self.nodes[node.0].parent_from_node = Affine3A::from_scale_rotation_translation(
+            Vec3::splat(half_side(reach) / unit),
+            Quat::IDENTITY,
+            reach.center().with_y(reach.min.y),
+        );
+        self.ground = Some(node);
     }
+
+    /// Box around what is to be framed: the models without the ground, or the ground where there is nothing else.
+    pub fn bounds_to_frame(&self) -> Option<Bounds> {
+        self.bounds_without_ground().or_else(|| self.bounds())
+    }
+
+    /// The same over a whole clip: in poses from its first to its last, evenly spread and at most an eighth of a second apart
+    /// unless the clip is long or the models are large. Poses that [`Scene::animate`] refuses do not count. The scene then is at rest.
+    ///
+    /// # Errors
+    /// [`SceneError::Request`] where there is no such clip.
+    pub fn bounds_of_clip(&mut self, animation: usize) -> Result<Option<Bounds>, SceneError> {
+        self.check_clip(animation, 0.0)?;
+        let duration = self.animations[animation].duration();
+        let vertices: usize =
+            self.instances().iter().map(|instance| self.meshes[instance.mesh.0].positions.len()).sum();
+        let affordable = (POSED_VERTICES / vertices.max(1)).clamp(POSES.0, POSES.1);
+        let count = ((duration * POSES_PER_SECOND).ceil() as usize).clamp(POSES.0, affordable);
+        let mut all: Option<Bounds> = None;
+        for pose in 0..count {
+            let seconds = duration * (pose as f32 / (count - 1) as f32);
+            if self.animate(animation, seconds).is_ok() {
+                all = all.into_iter().chain(self.bounds_to_frame()).reduce(Bounds::union);
+            }
+        }
+        self.rest();
+        Ok(all.or_else(|| self.bounds_to_frame()))
+    }
+}
+
+/// Half the side of the ground under models within these bounds [m].
+fn half_side(bounds: Bounds) -> f32 {
+    let footprint = 0.5 * Vec2::new(bounds.max.x - bounds.min.x, bounds.max.z - bounds.min.z).length();
+    // Something upright and flat, seen edge-on from above, still gets some ground.
+    (GROUND_HALF_SIDE * footprint.max(0.25 * bounds.radius())).max(LEAST_HALF_SIDE)
 }
 
 /// A horizontal square facing up.
@@ -75,7 +129,7 @@ pub(crate) fn square(center: Vec3, half: f32) -> Mesh {
 /// ground) fill a picture of width over height `aspect` up to a small margin. An empty scene is taken for a unit
 /// box on the ground; an aspect that is not positive and finite for 1.
 pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
-    camera_around(scene.bounds_without_ground().or_else(|| scene.bounds()), aspect)
+    camera_around(scene.bounds_to_frame(), aspect)
 }
 
 /// [`default_camera`] of a scene whose models have these bounds.

@@ -119,6 +119,11 @@ impl Bounds {
     pub fn radius(&self) -> f32 {
         0.5 * (self.max - self.min).length()
     }
+
+    /// Box around both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
 }
 
 impl Scene {
@@ -135,9 +140,8 @@ impl Scene {
     fn bounds_where(&self, counts: impl Fn(NodeId) -> bool) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;
         self.visit_corners(counts, |p| {
-            let b = bounds.get_or_insert(Bounds { min: p, max: p });
-            b.min = b.min.min(p);
-            b.max = b.max.max(p);
+            let point = Bounds { min: p, max: p };
+            bounds = Some(bounds.map_or(point, |bounds| bounds.union(point)));
         });
         bounds
     }

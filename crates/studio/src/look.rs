@@ -33,7 +33,7 @@ pub struct Look {
     pub camera: CameraLook,
     /// Its pose.
     pub animation: AnimationLook,
-    /// What lies under the models.
+    /// What lies under the models: under their lowest point, over the whole of the clip that plays.
     pub ground: Ground,
     /// Reflectance of every material but the ground's, as `MODEL:KEY=VALUE,...` (see [`gnomon_scene::ReflectanceSettings`]).
     pub reflectance: Option<String>,
@@ -256,7 +256,7 @@ impl EnvironmentLook {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CameraLook {
-    /// The scene's first camera, or else one that frames its rest pose.
+    /// The scene's first camera, or else one that frames its models: at rest, or over the whole of the clip that plays.
     #[default]
     Automatic,
     /// One of the scene's, by name.
@@ -286,8 +286,17 @@ impl Look {
         }
         keep(&mut self.fit, &before.fit, &after.fit);
         keep(&mut self.render, &before.render, &after.render);
-        keep(&mut self.display, &before.display, &after.display);
-        keep(&mut self.environment, &before.environment, &after.environment);
+        let (display, was, is) = (&mut self.display, &before.display, &after.display);
+        keep(&mut display.size, &was.size, &is.size);
+        keep(&mut display.exposure, &was.exposure, &is.exposure);
+        keep(&mut display.tone_mapping, &was.tone_mapping, &is.tone_mapping);
+        keep(&mut display.background, &was.background, &is.background);
+        let (environment, was, is) = (&mut self.environment, &before.environment, &after.environment);
+        if (&was.source, &was.projection) != (&is.source, &is.projection) {
+            // Another file comes as it is turned now.
+            environment.clone_from(is);
+        }
+        keep(&mut environment.rotation, &was.rotation, &is.rotation);
     }
 
     /// Gives one material, by its number in the scene, the reflectance of a surface.
@@ -338,5 +347,35 @@ impl Look {
             background: self.display.background,
             ..RenderSettings::default()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_new_scene_brings_goes_before_all_but_what_was_changed() {
+        let asked = Look::default();
+        let mut now = asked.clone();
+        now.environment.rotation = 30.0;
+        now.display.tone_mapping = "linear".to_owned();
+        let file = EnvironmentLook {
+            source: Some(EnvironmentSource::Builtin("sky".to_owned())),
+            projection: Some("equirect".to_owned()),
+            rotation: 5.0,
+        };
+        let mut brought = Look { environment: file.clone(), ..Look::default() };
+        (brought.display.exposure, brought.display.background) = (Some(2.0), false);
+        let mut kept = brought.clone();
+        kept.keep_changes(&asked, &now);
+        assert_eq!(kept.environment, EnvironmentLook { rotation: 30.0, ..file });
+        let tone_mapping = "linear".to_owned();
+        assert_eq!(kept.display, DisplayLook { tone_mapping, ..brought.display.clone() });
+        // Another environment that was chosen meanwhile comes whole.
+        now.environment.source = Some(EnvironmentSource::Builtin("room".to_owned()));
+        let mut chosen = brought;
+        chosen.keep_changes(&asked, &now);
+        assert_eq!(chosen.environment, now.environment);
     }
 }

@@ -1,12 +1,23 @@
-use gnomon_scene::Scene;
+use gnomon_scene::{Bounds, Scene};
 
 use crate::StudioError;
 use crate::look::AnimationLook;
 
 /// The clip that plays where none is named: the first.
 pub(crate) fn first_clip(scene: &Scene) -> Option<String> {
-    // By number: names may be empty, or there twice.
-    (!scene.animations.is_empty()).then(|| "0".to_owned())
+    // By name, which is looked up first: of several clips of that name it means this one, and another may be called "0".
+    scene.animations.first().map(|clip| clip.name.clone())
+}
+
+/// Box around what is to be framed: over the clip that a look asks for, or at rest where it asks for none. The scene then is at rest.
+pub(crate) fn reach(scene: &mut Scene, look: &AnimationLook) -> Result<Option<Bounds>, StudioError> {
+    match &look.clip {
+        Some(name) => Ok(scene.bounds_of_clip(clip_index(scene, name)?)?),
+        None => {
+            scene.rest();
+            Ok(scene.bounds_to_frame())
+        }
+    }
 }
 
 /// Takes the pose that a look asks for; a scene is at rest where it asks for no clip.

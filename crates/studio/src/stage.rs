@@ -8,7 +8,7 @@ use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, ReflectanceSett
 
 use crate::environment::load_environment;
 use crate::look::CameraLook;
-use crate::pose::pose;
+use crate::pose::{pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
 
 /// A scene in the pose and with the materials that its look asks for, under an environment.
@@ -18,7 +18,12 @@ pub struct Stage {
     look: Look,
     scene: Arc<Scene>,
     bare: Bare,
+    /// Box around the models, over the look's clip where it has one: what ground and automatic camera are for. It does not depend on the
+    /// time, so that they stay while a clip plays.
+    reach: Option<Bounds>,
     environment: Arc<Equirect>,
+    /// Its suitable exposure [stops].
+    automatic_exposure: f32,
     warnings: Vec<String>,
 }
 
@@ -30,8 +35,6 @@ struct Bare {
     nodes: usize,
     ground: Option<NodeId>,
     warnings: usize,
-    /// Of the file's own pose, without the ground where there is more.
-    bounds: Option<Bounds>,
     /// Width over height of the pictures that it was loaded for.
     aspect: f32,
 }
@@ -41,8 +44,21 @@ struct Bare {
 pub(crate) struct SceneChange {
     /// Ground or reflectance.
     pub dressed: bool,
-    /// Pose.
+    /// Pose, and with the clip the place of the ground.
     pub moved: bool,
+    /// Clip.
+    reaches_elsewhere: bool,
+}
+
+impl SceneChange {
+    fn between(was: &Look, new: &Look) -> Self {
+        Self {
+            dressed: (&was.reflectance, &was.surfaces, was.ground)
+                != (&new.reflectance, &new.surfaces, new.ground),
+            moved: was.animation != new.animation,
+            reaches_elsewhere: was.animation.clip != new.animation.clip,
+        }
+    }
 }
 
 impl Bare {
@@ -53,7 +69,6 @@ impl Bare {
             nodes: scene.nodes.len(),
             ground: scene.ground,
             warnings: scene.warnings.len(),
-            bounds: scene.bounds_without_ground().or_else(|| scene.bounds()),
             aspect,
         }
     }
@@ -71,14 +86,14 @@ impl Bare {
     }
 }
 
-/// Reflectance and ground.
-fn dress(scene: &mut Scene, look: &Look) -> Result<(), StudioError> {
-    // The ground lies under the pose of the file, whatever moves above it.
+/// Reflectance, and ground under models that reach so far.
+fn dress(scene: &mut Scene, look: &Look, reach: Option<Bounds>) -> Result<(), StudioError> {
+    // The ground's mesh is that of the file's pose in every clip: only its node moves.
     scene.rest();
     if let Some(text) = &look.reflectance {
         scene.set_reflectance(&text.parse()?);
     }
-    scene.add_ground(look.ground);
+    scene.add_ground_under(look.ground, reach);
     let count = scene.materials.len();
     for (&index, text) in &look.surfaces {
         let settings: ReflectanceSettings = text.parse()?;
@@ -109,9 +124,12 @@ impl Stage {
         let Project { source, mut scene, look } = project;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
         let bare = Bare::of(&scene, look.display.aspect());
-        dress(&mut scene, &look)?;
+        let reach = reach(&mut scene, &look.animation)?;
+        dress(&mut scene, &look, reach)?;
         pose(&mut scene, &look.animation)?;
-        let mut stage = Self { source, look, scene: Arc::new(scene), bare, environment, warnings };
+        let automatic_exposure = environment.suitable_exposure();
+        let scene = Arc::new(scene);
+        let mut stage = Self { source, look, scene, bare, reach, environment, automatic_exposure, warnings };
         stage.warn_of_dress();
         check_rotation(&stage.look)?;
         stage.camera()?;
@@ -163,19 +181,19 @@ impl Stage {
         self.scene.cameras.is_empty() || self.look.display.aspect() == self.bare.aspect
     }
 
-    /// A view that frames the scene's models as they are at rest.
+    /// A view that frames the scene's models: as they are at rest, or wherever the look's clip takes them.
     pub fn framing(&self) -> Camera {
-        camera_around(self.bare.bounds, self.look.display.aspect())
+        camera_around(self.reach, self.look.display.aspect())
     }
 
-    /// The middle of the models as they are at rest [m].
+    /// The middle of what [`Stage::framing`] frames [m].
     pub fn center(&self) -> Vec3 {
-        self.bare.bounds.map_or(Vec3::ZERO, |bounds| bounds.center())
+        self.reach.map_or(Vec3::ZERO, |bounds| bounds.center())
     }
 
     /// Stops of exposure of the displayed picture.
     pub fn exposure(&self) -> f32 {
-        self.look.display.exposure.unwrap_or_else(|| self.environment.suitable_exposure())
+        self.look.display.exposure.unwrap_or(self.automatic_exposure)
     }
 
     /// How the environment is turned.
@@ -224,10 +242,7 @@ impl Stage {
     pub(crate) fn change_look(&mut self, look: Look) -> Result<SceneChange, StudioError> {
         check_rotation(&look)?;
         let was = std::mem::replace(&mut self.look, look);
-        let dressed = (&was.reflectance, &was.surfaces, was.ground)
-            != (&self.look.reflectance, &self.look.surfaces, self.look.ground);
-        let moved = was.animation != self.look.animation;
-        let change = SceneChange { dressed, moved };
+        let change = SceneChange::between(&was, &self.look);
         let applied = self.apply(change).and_then(|()| self.camera().map(drop));
         if let Err(error) = applied {
             self.look = was;
@@ -235,17 +250,20 @@ impl Stage {
             self.apply(change)?;
             return Err(error);
         }
-        if dressed {
+        if change.dressed {
             self.warn_of_dress();
         }
         Ok(change)
     }
 
     fn apply(&mut self, change: SceneChange) -> Result<(), StudioError> {
-        if change.dressed {
+        if change.dressed || change.reaches_elsewhere {
             let scene = Arc::make_mut(&mut self.scene);
             self.bare.restore(scene);
-            dress(scene, &self.look)?;
+            if change.reaches_elsewhere {
+                self.reach = reach(scene, &self.look.animation)?;
+            }
+            dress(scene, &self.look, self.reach)?;
         }
         if change.dressed || change.moved {
             pose(Arc::make_mut(&mut self.scene), &self.look.animation)?;
@@ -259,6 +277,7 @@ impl Stage {
     }
 
     pub(crate) fn set_environment(&mut self, map: Arc<Equirect>, warnings: Vec<String>) {
+        self.automatic_exposure = map.suitable_exposure();
         self.environment = map;
         self.warnings.extend(warnings);
     }

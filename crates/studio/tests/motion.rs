@@ -11,6 +11,7 @@ use gnomon_metrics::relative_rmse;
 use gnomon_metrics::tolerances::ROTATED_TEXELS_RMSE;
 use gnomon_reference::{ReferenceOptions, render};
 use gnomon_renderer::{Gpu, GpuOptions};
+use gnomon_scene::{Bounds, Ground, Projection};
 use gnomon_studio::{Look, Project, Sequence, Stage, Studio, Timeline, Update, environment_named};
 
 const SIZE: [u32; 2] = [48, 36];
@@ -31,6 +32,7 @@ fn project(name: &str) -> Project {
     look.render.supersample = 1;
     let mut project = Project::open(name, look, Some(SIZE)).unwrap();
     project.set_environment(environment_named("room"));
+    project.look.ground = Ground::Plane;
     project
 }
 
@@ -67,10 +69,72 @@ fn a_pose_taken_live_is_the_pose_opened_and_frames_depend_on_nothing_else() {
         assert!(drawn[1] != drawn[2] && drawn[2] != drawn[3], "{model} moves");
         live.set_look(stage.look().clone()).unwrap();
         assert!(picture(&mut live) == rest, "{model}: back to rest");
+        // Another clip moves the ground, which uploads no mesh: a picture of the ground that stayed would be another.
+        live.edit(|look| look.animation.clip = Some("0".to_owned())).unwrap();
+        let mut opened = project(path.to_str().unwrap());
+        opened.look = live.look().clone();
+        let mut opened = Studio::new(&gpu, Stage::new(opened).unwrap()).unwrap();
+        assert!(picture(&mut live) == picture(&mut opened), "{model}: the clip's ground");
+        live.set_look(stage.look().clone()).unwrap();
         let error =
             live.edit(|look| look.animation.clip = Some("absent".to_owned())).unwrap_err().to_string();
         assert!(error.contains("clip"), "{error}");
         assert!(picture(&mut live) == rest);
+    }
+}
+
+/// Ground and camera are those of the clip: they hold all of it, and do not move while it plays.
+#[test]
+fn a_clip_has_one_ground_and_one_camera_that_hold_all_of_it() {
+    for (model, clip) in [
+        ("models/RobotExpressive.glb", "Dance"),
+        ("models/Fox.glb", "Run"),
+        (MODELS[0], "0"),
+        (MODELS[2], "0"),
+    ] {
+        let Some(path) = gnomon_testing::data_file(model) else { return };
+        let rest = Stage::new(project(path.to_str().unwrap())).unwrap();
+        let mut stage = rest.clone();
+        let mut look = stage.look().clone();
+        look.animation.clip = Some(clip.to_owned());
+        stage.set_look(look).unwrap();
+        let (camera, center) = (stage.camera().unwrap(), stage.center());
+        let ground = |stage: &Stage| {
+            let scene = stage.scene();
+            scene.world_from_nodes()[scene.ground.unwrap().0]
+        };
+        let height = ground(&stage).translation.y;
+        assert!(camera != rest.camera().unwrap(), "{model}");
+        let Projection::Perspective { fov_x } = camera.projection else { panic!("no perspective") };
+        let edge = (0.5 * fov_x).tan();
+        let sequence = Sequence::new(&stage, Timeline::new(10.0).unwrap()).unwrap();
+        let mut reach: Option<Bounds> = None;
+        for frame in [3, 0, 17, 30, 8, 25, 12] {
+            stage.set_look(sequence.look(frame)).unwrap();
+            assert_eq!((stage.camera().unwrap(), stage.center()), (camera.clone(), center), "{model}");
+            assert_eq!(ground(&stage).translation.y, height, "{model}");
+            let pose = stage.scene().bounds_without_ground().unwrap();
+            reach = Some(reach.map_or(pose, |reach| reach.union(pose)));
+            let scene = stage.scene();
+            for instance in scene.instances().iter().filter(|instance| Some(instance.node) != scene.ground) {
+                for place in scene.world_vertices(&scene.pose(), instance).positions {
+                    let place = camera.world_from_camera.inverse().transform_point3(place);
+                    let (x, y) = (place.x / -place.z / edge, place.y / -place.z / edge * 4.0 / 3.0);
+                    assert!(place.z < 0.0 && x.abs().max(y.abs()) < 1.0, "{model}: out of the picture");
+                }
+            }
+        }
+        let reach = reach.unwrap();
+        let size = reach.max.y - reach.min.y;
+        assert!((reach.min.y - height).abs() < 0.02 * size, "{model}: {} over {height}", reach.min.y);
+        // A sequence of a stage without a clip plays the first, on its ground and with its turntable's middle.
+        let mut first = rest.clone();
+        first.set_look(Sequence::new(&rest, Timeline::new(10.0).unwrap()).unwrap().look(0)).unwrap();
+        assert_eq!(first.look().animation.clip.as_ref(), Some(&first.scene().animations[0].name), "{model}");
+        let mut back = first.clone();
+        back.set_look(rest.look().clone()).unwrap();
+        assert_eq!((back.camera().unwrap(), back.center()), (rest.camera().unwrap(), rest.center()));
+        assert!(**back.scene() == **rest.scene(), "{model}: back to rest");
     }
 }
 

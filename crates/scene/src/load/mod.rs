@@ -18,7 +18,7 @@ mod toml;
 
 pub use toml::read_sections;
 
-pub(crate) use geometry::triangle_normal;
+pub(crate) use geometry::{LARGEST_COORDINATE, triangle_normal};
 
 /// A scene format that [`load`] reads.
 #[derive(Debug)]

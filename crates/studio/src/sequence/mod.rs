@@ -80,11 +80,14 @@ impl Sequence {
     /// # Errors
     /// As [`Timeline::check`] and [`Stage::camera`].
     pub fn new(stage: &Stage, timeline: Timeline) -> Result<Self, StudioError> {
+        let timeline = timeline.check()?;
         let mut look = stage.look().clone();
         if look.animation.clip.is_none() {
             look.animation.clip = crate::pose::first_clip(stage.scene());
         }
-        Ok(Self { timeline: timeline.check()?, look, camera: stage.camera()?, center: stage.center() })
+        let mut stage = stage.clone();
+        stage.set_look(look.clone())?;
+        Ok(Self { timeline, look, camera: stage.camera()?, center: stage.center() })
     }
 
     /// The look of a frame.

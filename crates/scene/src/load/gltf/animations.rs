@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use glam::{Quat, Vec3};
 
 use super::accessors::Accessors;
+use super::meshes::Meshes;
 use super::schema::{AnimationEntry, ChannelEntry, Int, NodeEntry, Root};
 use super::{Budget, Fault, get};
 use crate::error::one_line;
@@ -16,12 +17,13 @@ use crate::{AnimatedNode, Animation, CameraMount, Channel, Interpolation, Keys, 
 pub fn read(
     root: &Root,
     accessors: &Accessors,
+    meshes: &Meshes,
     places: &[Option<usize>],
     carriers: &[NodeId],
     budget: &mut Budget,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
-    let reader = Reader { root, accessors, places };
+    let reader = Reader { root, accessors, meshes, places };
     let mut animated: HashMap<usize, AnimatedNode> = HashMap::new();
     for (index, entry) in root.animations.iter().enumerate() {
         budget.take(1, size_of::<Animation>())?;
@@ -90,6 +92,7 @@ fn at_rest(entry: &NodeEntry, node: NodeId, scene: &Scene) -> AnimatedNode {
 struct Reader<'a> {
     root: &'a Root,
     accessors: &'a Accessors<'a>,
+    meshes: &'a Meshes<'a>,
     places: &'a [Option<usize>],
 }
 
@@ -136,7 +139,7 @@ impl Reader<'_> {
                 Keys::Rotation(values.into_iter().map(Quat::from_array).collect())
             }
             "weights" => {
-                width = targets(self.root, target);
+                width = target.mesh.map_or(0, |Int(mesh)| self.meshes.targets(mesh));
                 if width == 0 {
                     return Err(Fault::Invalid(format!("node {node} has no morph targets")));
                 }
@@ -151,12 +154,6 @@ impl Reader<'_> {
         check(&keys, wanted, interpolation)?;
         Ok(Some((node, Channel { node: NodeId(place), times, interpolation, keys })))
     }
-}
-
-/// Number of morph targets of a node's mesh.
-pub fn targets(root: &Root, node: &NodeEntry) -> usize {
-    let mesh = node.mesh.and_then(|Int(mesh)| root.meshes.get(mesh));
-    mesh.into_iter().flat_map(|mesh| &mesh.primitives).map(|p| p.targets.len()).max().unwrap_or(0)
 }
 
 /// Refuses keys that are not finite or not as many as `wanted`, and rotations that are none.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::accessors::Accessors;
-use super::schema::{Int, Primitive, Root};
+use super::schema::{Int, MeshEntry, Primitive, Root};
 use super::{Budget, Fault, get, materials, skins};
 use crate::load::geometry;
 use crate::{MaterialId, Mesh, MeshId, MorphTarget, Scene};
@@ -15,6 +15,8 @@ pub struct Meshes<'a> {
     root: &'a Root,
     accessors: &'a Accessors<'a>,
     known: HashMap<usize, Known>,
+    /// Number of morph targets of every mesh of the file: the most that a primitive has.
+    targets: Vec<usize>,
     unnamed_material: Option<MaterialId>,
 }
 
@@ -27,7 +29,25 @@ struct Known {
 
 impl<'a> Meshes<'a> {
     pub fn new(root: &'a Root, accessors: &'a Accessors<'a>) -> Self {
-        Self { root, accessors, known: HashMap::new(), unnamed_material: None }
+        let targets = |mesh: &MeshEntry| mesh.primitives.iter().map(|p| p.targets.len()).max().unwrap_or(0);
+        let targets = root.meshes.iter().map(targets).collect();
+        Self { root, accessors, known: HashMap::new(), targets, unnamed_material: None }
+    }
+
+    /// Number of morph targets of mesh `index`.
+    pub fn targets(&self, index: usize) -> usize {
+        self.targets.get(index).copied().unwrap_or(0)
+    }
+
+    /// Default weights of the morph targets of mesh `index` where a node gives `own`, if it does: those, or else the mesh's. What is
+    /// not finite counts as 0.
+    pub fn weights(&self, index: usize, own: Option<&[f32]>, budget: &mut Budget) -> Result<Vec<f32>, Fault> {
+        let count = self.targets(index);
+        budget.take(count, size_of::<f32>())?;
+        let of_mesh = || self.root.meshes.get(index).and_then(|mesh| mesh.weights.as_deref());
+        let given = own.or_else(of_mesh).unwrap_or_default();
+        let finite = given.iter().map(|&weight| if weight.is_finite() { weight } else { 0.0 });
+        Ok(finite.chain(std::iter::repeat(0.0)).take(count).collect())
     }
 
     /// The primitives of mesh `index` in `scene.meshes`, in the node's space.
@@ -38,6 +58,7 @@ impl<'a> Meshes<'a> {
         scene: &mut Scene,
     ) -> Result<Vec<MeshId>, Fault> {
         if let Some(known) = self.known.get(&index) {
+            budget.take(known.ids.len(), size_of::<MeshId>())?;
             return Ok(known.ids.clone());
         }
         let mesh = get(&self.root.meshes, index, "mesh", "a node")?;

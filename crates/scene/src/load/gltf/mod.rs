@@ -63,13 +63,14 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     let order = nodes::order(&root)?;
     let mut meshes = Meshes::new(&root, &accessors);
     let places = nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
-    animations::read(&root, &accessors, &places.nodes, &places.cameras, budget, &mut scene)?;
+    animations::read(&root, &accessors, &meshes, &places.nodes, &places.cameras, budget, &mut scene)?;
     if !root.meshes.is_empty() && root.nodes.is_empty() {
         scene.warnings.push("the file has no nodes: each mesh is shown once, at the origin".to_owned());
         for (index, mesh) in root.meshes.iter().enumerate() {
             let ids = meshes.read(index, budget, &mut scene)?;
-            let name = mesh.name.clone().unwrap_or_default();
-            scene.nodes.push(Node { name, meshes: ids, ..Node::default() });
+            let name = mesh.name.as_deref().map(one_line).unwrap_or_default();
+            let weights = meshes.weights(index, None, budget)?;
+            scene.nodes.push(Node { name, meshes: ids, weights, ..Node::default() });
         }
     }
     Ok(Source::loaded(scene, Ground::None))

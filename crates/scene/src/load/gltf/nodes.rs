@@ -112,7 +112,7 @@ pub fn read(
         };
         if let Some(Int(mesh)) = entry.mesh {
             node.meshes = meshes.read(mesh, budget, scene)?;
-            node.weights = weights(root, entry, mesh, budget)?;
+            node.weights = meshes.weights(mesh, entry.weights.as_deref(), budget)?;
             if let Some(Int(skin)) = entry.skin {
                 node.skin = skins.read(root, accessors, skin, &places.nodes, budget, scene)?;
             }
@@ -140,15 +140,6 @@ pub fn read(
         scene.nodes.push(node);
     }
     Ok(places)
-}
-
-/// Default weights of a node's morph targets: its own, or else its mesh's. What is not finite counts as 0.
-fn weights(root: &Root, node: &NodeEntry, mesh: usize, budget: &mut Budget) -> Result<Vec<f32>, Fault> {
-    let count = super::animations::targets(root, node);
-    budget.take(count, size_of::<f32>())?;
-    let given = node.weights.as_deref().or(root.meshes[mesh].weights.as_deref()).unwrap_or_default();
-    let finite = given.iter().map(|&weight| if weight.is_finite() { weight } else { 0.0 });
-    Ok(finite.chain(std::iter::repeat(0.0)).take(count).collect())
 }
 
 fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
