@@ -1,11 +1,12 @@
 //! Numbered pictures, and the document beside them that tells which of them are done and what they show.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
 use gnomon_image::atomic;
 use serde::{Deserialize, Serialize};
@@ -58,12 +59,10 @@ impl FrameFiles {
         format!("{}{frame:0digits$}{}", self.before, self.after, digits = self.digits)
     }
 
-    /// The document beside the pictures.
+    /// The document beside the pictures. It has their name with the signs in it, so that every pattern has its own.
     pub fn manifest(&self) -> PathBuf {
-        let stem = self.before.trim_end_matches(['_', '-', '.', ' ']);
-        let extension = self.after.trim_start_matches('.').replace(['.', '_'], "-");
-        self.folder
-            .join(format!("{}.{extension}.sequence.json", if stem.is_empty() { "frames" } else { stem }))
+        let signs = "#".repeat(self.digits);
+        self.folder.join(format!("{}{signs}{}.sequence.json", self.before, self.after))
     }
 }
 
@@ -107,16 +106,18 @@ impl SequenceRun {
         let old = if overwrite { None } else { read_manifest(&files.manifest())? };
         let done = match old {
             Some(old) if old.digest == digest => old.frames,
-            Some(old) => match old.frames.keys().find(|&&frame| files.path(frame).exists()) {
-                Some(&frame) => return Err(others(&files.path(frame), "was drawn with other settings")),
-                None => BTreeMap::new(),
-            },
-            None => match frames.clone().find(|&frame| files.path(frame).exists()) {
-                Some(frame) if !overwrite => {
+            _ if overwrite => BTreeMap::new(),
+            other => {
+                let exists = |frame: &u32| files.path(*frame).exists();
+                let noted = other.map(|old| old.frames).unwrap_or_default();
+                if let Some(frame) = noted.into_keys().find(exists) {
+                    return Err(others(&files.path(frame), "was drawn with other settings"));
+                }
+                if let Some(frame) = frames.clone().find(exists) {
                     return Err(others(&files.path(frame), "is there, but no document tells what it shows"));
                 }
-                _ => BTreeMap::new(),
-            },
+                BTreeMap::new()
+            }
         };
         let is_whole = |frame: &u32| {
             let bytes = fs::metadata(files.path(*frame)).map(|meta| meta.len());
@@ -139,13 +140,20 @@ impl SequenceRun {
         self.files.path(frame)
     }
 
-    /// Notes that a frame's file is whole.
+    /// Notes that a frame's file is whole, beside those that other runs have noted meanwhile: several may draw frames of one sequence,
+    /// each its own. Where two note at the same moment one note may be lost, and a later run draws that frame again.
     ///
     /// # Errors
-    /// Files that cannot be read or written.
+    /// [`StudioError::Request`] where another run has begun a sequence of other settings under these names; files that cannot be read or
+    /// written.
     pub fn finish(&mut self, frame: u32) -> Result<(), StudioError> {
         let path = self.files.path(frame);
         let bytes = fs::metadata(&path).map_err(|source| StudioError::Read { path, source })?.len();
+        match read_manifest(&self.files.manifest())? {
+            Some(noted) if noted.digest == self.digest => self.done.extend(noted.frames),
+            Some(_) => return Err(others(&self.files.manifest(), "is by now that of another sequence")),
+            None => {}
+        }
         self.done.insert(frame, bytes);
         self.write_manifest()
     }
@@ -165,19 +173,26 @@ impl SequenceRun {
 
     /// Removes what a killed run left beside the pictures that are now drawn again.
     fn remove_unfinished(&self) {
-        let manifest = self.files.manifest();
-        let mut names: Vec<OsString> =
+        let names: HashSet<OsString> =
             self.missing.iter().map(|&frame| self.files.name(frame).into()).collect();
-        names.extend(manifest.file_name().map(OsStr::to_owned));
+        let manifest = self.files.manifest();
         let folder =
             if self.files.folder.as_os_str().is_empty() { Path::new(".") } else { &self.files.folder };
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            if atomic::unfinished_of(&entry.file_name()).is_some_and(|name| names.contains(&name)) {
+            let Some(name) = atomic::unfinished_of(&entry.file_name()) else { continue };
+            // Another run may be noting a frame right now.
+            let is_left = || entry.metadata().and_then(|meta| meta.modified()).is_ok_and(is_long_ago);
+            if names.contains(&name) || manifest.file_name() == Some(&name) && is_left() {
                 // What cannot be removed does no harm.
                 let _ = fs::remove_file(entry.path());
             }
         }
     }
+}
+
+/// Whether nobody can still be busy with a small file that was written then.
+fn is_long_ago(time: SystemTime) -> bool {
+    time.elapsed().is_ok_and(|age| age > Duration::from_secs(60))
 }
 
 fn others(path: &Path, what: &str) -> StudioError {
@@ -208,11 +223,11 @@ mod tests {
     #[test]
     fn names_have_their_number_where_the_signs_are() {
         for (pattern, name, manifest) in [
-            ("a/b_####.png", "a/b_0012.png", "a/b.png.sequence.json"),
-            ("b.exr", "b_0012.exr", "b.exr.sequence.json"),
-            ("#.png", "12.png", "frames.png.sequence.json"),
-            ("take#2_###.png", "take#2_012.png", "take#2.png.sequence.json"),
-            ("\u{e9}##x.png", "\u{e9}12x.png", "\u{e9}.x-png.sequence.json"),
+            ("a/b_####.png", "a/b_0012.png", "a/b_####.png.sequence.json"),
+            ("b.exr", "b_0012.exr", "b_####.exr.sequence.json"),
+            ("#.png", "12.png", "#.png.sequence.json"),
+            ("take#2_###.png", "take#2_012.png", "take#2_###.png.sequence.json"),
+            ("\u{e9}##x.png", "\u{e9}12x.png", "\u{e9}##x.png.sequence.json"),
         ] {
             let files = FrameFiles::new(Path::new(pattern)).unwrap();
             assert_eq!(files.path(12), Path::new(name));
@@ -249,6 +264,39 @@ mod tests {
         assert_eq!(open(0..=1, "two", true).unwrap().missing(), [0, 1]);
         // Nothing is known of the others any more.
         assert_eq!(open(0..=4, "two", false).unwrap().missing(), [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn patterns_and_runs_beside_each_other_keep_their_notes() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |name: &str, frames, digest| {
+            let files = FrameFiles::new(&folder.path().join(name)).unwrap();
+            SequenceRun::open(files, frames, made(digest), false)
+        };
+        let draw = |run: &mut SequenceRun, frame| {
+            fs::write(run.path(frame), "picture").unwrap();
+            run.finish(frame)
+        };
+        let mut first = open("x_###.png", 0..=3, "one").unwrap();
+        let mut second = open("x_###.png", 4..=5, "one").unwrap();
+        let mut other = open("x-###.png", 0..=3, "two").unwrap();
+        draw(&mut other, 0).unwrap();
+        for frame in [0, 1] {
+            draw(&mut first, frame).unwrap();
+            draw(&mut second, frame + 4).unwrap();
+        }
+        assert_eq!(open("x_###.png", 0..=5, "one").unwrap().missing(), [2, 3]);
+        assert_eq!(open("x-###.png", 0..=3, "two").unwrap().missing(), [1, 2, 3]);
+        // The same file by another pattern; one that no run has noted; a sequence that is begun anew.
+        for (name, digest) in [("x_##.png", "one"), ("x_###.png", "three")] {
+            let files = FrameFiles::new(&folder.path().join(name)).unwrap();
+            fs::write(files.path(123), "mine").unwrap();
+            assert!(open(name, 123..=123, digest).is_err(), "{name}");
+        }
+        let files = FrameFiles::new(&folder.path().join("x_###.png")).unwrap();
+        SequenceRun::open(files, 0..=0, made("three"), true).unwrap();
+        let error = draw(&mut first, 2).unwrap_err().to_string();
+        assert!(error.contains("another sequence") && error.contains("--overwrite"), "{error}");
     }
 
     #[test]
