@@ -69,22 +69,34 @@ impl Key {
 /// What the thread has come to.
 type Progress = Mutex<Result<Option<ReferencePicture>, ReferenceError>>;
 
-/// A thread that adds passes until it is dropped.
+/// A reference that is being traced.
 pub(crate) struct Converging {
     key: Key,
-    cancel: Arc<AtomicBool>,
-    progress: Arc<Progress>,
-    thread: JoinHandle<()>,
+    tracing: Tracing,
 }
 
-impl Drop for Converging {
+/// One thread at a time: what is set up before the first pass cannot be broken off, and is not worth doing for what has changed since.
+enum Tracing {
+    /// For the thread of what was traced before, which has been told to end.
+    Waits(JoinHandle<()>),
+    Runs(Thread),
+}
+
+/// A thread that adds passes until this is dropped.
+struct Thread {
+    cancel: Arc<AtomicBool>,
+    progress: Arc<Progress>,
+    handle: Option<JoinHandle<()>>,
+}
+
+impl Drop for Thread {
     fn drop(&mut self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
 }
 
 impl Converging {
-    /// Goes on with `before` where it is still of this stage, or starts anew.
+    /// Goes on with `before` where it is still of this stage, or starts anew once its thread has ended.
     pub fn follow(before: Option<Self>, stage: &Stage, size: [u32; 2]) -> Result<Self, StudioError> {
         let key = Key {
             scene: Arc::clone(stage.scene()),
@@ -93,13 +105,32 @@ impl Converging {
             camera: stage.camera()?,
             size,
         };
-        match before {
-            Some(before) if before.key.is(&key) => Ok(before),
-            _ => Self::start(key, stage),
-        }
+        let last = match before {
+            Some(Self { key: old, tracing: Tracing::Runs(thread) }) if old.is(&key) => {
+                return Ok(Self { key, tracing: Tracing::Runs(thread) });
+            }
+            Some(Self { tracing: Tracing::Runs(mut thread), .. }) => thread.handle.take(),
+            Some(Self { tracing: Tracing::Waits(last), .. }) => Some(last),
+            None => None,
+        };
+        let tracing = match last {
+            Some(last) if !last.is_finished() => Tracing::Waits(last),
+            _ => Tracing::Runs(Thread::start(&key, stage)?),
+        };
+        Ok(Self { key, tracing })
     }
 
-    fn start(key: Key, stage: &Stage) -> Result<Self, StudioError> {
+    /// The picture so far.
+    pub fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
+        match &self.tracing {
+            Tracing::Waits(_) => Ok(None),
+            Tracing::Runs(thread) => thread.picture(),
+        }
+    }
+}
+
+impl Thread {
+    fn start(key: &Key, stage: &Stage) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
         let environment = Arc::clone(&key.environment);
         let [width, height] = key.size;
@@ -127,19 +158,18 @@ impl Converging {
             }
         };
         let told = Arc::clone(&progress);
-        let thread = thread::Builder::new().name("reference".to_owned()).spawn(move || {
+        let handle = thread::Builder::new().name("reference".to_owned()).spawn(move || {
             let ended: Result<std::convert::Infallible, ReferenceError> = trace();
             let Err(error) = ended;
             *told.lock().unwrap_or_else(PoisonError::into_inner) = Err(error);
         });
-        let thread = thread.map_err(|_| StudioError::Thread("the reference"))?;
-        Ok(Self { key, cancel, progress, thread })
+        let handle = handle.map_err(|_| StudioError::Thread("the reference"))?;
+        Ok(Self { cancel, progress, handle: Some(handle) })
     }
 
-    /// The picture so far.
-    pub fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
+    fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
         // Asked first: a thread that ends says why before it does.
-        let ended = self.thread.is_finished();
+        let ended = self.handle.as_ref().is_none_or(JoinHandle::is_finished);
         let picture = self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
         if ended { Err(StudioError::Thread("the reference")) } else { Ok(picture) }
     }
@@ -149,4 +179,42 @@ impl Converging {
 fn mean(picture: &RgbImage) -> f64 {
     let sum: f64 = picture.texels().iter().map(|texel| texel.as_dvec3().element_sum()).sum();
     sum / (3.0 * picture.texels().len().max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::look::CameraLook;
+    use crate::{Look, Project, environment_named};
+
+    #[test]
+    fn a_look_that_changes_all_the_time_keeps_one_thread_busy() {
+        let mut project = Project::open("terrain", Look::default(), None).unwrap();
+        project.set_environment(environment_named("room"));
+        let mut stage = Stage::new(project).unwrap();
+        let mut traced = None;
+        for step in 0..20 {
+            let mut look = stage.look().clone();
+            look.camera = CameraLook::Free(Camera::look_at(
+                glam::Vec3::new(3.0, 2.0, step as f32),
+                glam::Vec3::ZERO,
+                0.7,
+            ));
+            stage.set_look(look).unwrap();
+            traced = Some(Converging::follow(traced, &stage, [8, 6]).unwrap());
+            // Beside the stage and what is traced, threads hold the scene.
+            let threads = Arc::strong_count(stage.scene()) - 2;
+            assert!(threads <= 1, "{threads} threads after {step} changes");
+        }
+        // What was asked for last is traced, once there is a thread for it.
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while traced.as_ref().unwrap().picture().unwrap().is_none() {
+            assert!(Instant::now() < deadline);
+            thread::sleep(Duration::from_millis(2));
+            traced = Some(Converging::follow(traced, &stage, [8, 6]).unwrap());
+        }
+        assert_eq!(traced.unwrap().key.camera, stage.camera().unwrap());
+    }
 }

@@ -164,6 +164,7 @@ impl Studio {
         let was = self.look().clone();
         if let Err(error) = self.apply(look) {
             self.apply(was)?;
+            self.light_again()?;
             return Err(error);
         }
         let wanted = LightingKey::of(self.look());
@@ -261,7 +262,7 @@ impl Studio {
     }
 
     /// Starts a reference picture of so many pixels on a thread, or goes on with it. It starts anew whenever anything changes that it
-    /// depends on, which this has to be called to find out: once a frame.
+    /// depends on, once the thread before has ended: to find that out this has to be called once a frame.
     ///
     /// # Errors
     /// As [`Stage::camera`], and where no thread is to be had. What the tracer refuses [`Studio::reference`] tells.

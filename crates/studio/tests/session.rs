@@ -166,6 +166,29 @@ fn another_scene_is_loaded_on_a_thread_and_keeps_the_look() {
 }
 
 #[test]
+fn a_scene_whose_lights_do_not_fit_leaves_the_one_before_lit() {
+    let Some(gpu) = gpu() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[camera]\neye = [3, 2, 1]\ntarget = [0, 0, 0]\nfov = 40\n[[model]]\nbuiltin = \"column\"\n\
+        [[light]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0, 4, 0]\nradiance = [3, 2, 1]\n";
+    let path = folder.path().join("lit.toml");
+    std::fs::write(&path, text).unwrap();
+    let mut look = base();
+    // Enough for the wide lights of the environment, not for a small one at full resolution.
+    look.fit.method = "none".to_owned();
+    (look.render.shadow_memory, look.render.shadow_resolution) = (8, 2048);
+    let mut studio = Studio::new(&gpu, Stage::new(project(&look)).unwrap()).unwrap();
+    let before = picture(&mut studio);
+    studio.load_scene(SceneSource::File(path));
+    let updates = studio.wait();
+    assert!(
+        matches!(&updates[..], [Update::Failed(StudioError::Render(RenderError::OverBudget { .. }))]),
+        "{updates:?}"
+    );
+    assert!(picture(&mut studio) == before && studio.look() == &look);
+}
+
+#[test]
 fn the_reference_converges_and_starts_anew_when_something_changes() {
     let Some(gpu) = gpu() else { return };
     let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
@@ -200,8 +223,8 @@ fn the_reference_converges_and_starts_anew_when_something_changes() {
     let (drawn, _) = picture(&mut studio);
     let error = turned.relative_rmse(&drawn).unwrap();
     assert!(error < 2.0 * GPU_RELATIVE_RMSE + turned.noise, "{error}");
-    studio.converge(0, 4).unwrap();
     let refused = loop {
+        studio.converge(0, 4).unwrap();
         match studio.reference() {
             Err(error) => break error.to_string(),
             Ok(_) => assert!(Instant::now() < deadline),

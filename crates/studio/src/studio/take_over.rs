@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gnomon_envmap::Equirect;
-use gnomon_renderer::{Gpu, Renderer};
+use gnomon_renderer::{Gpu, PreparedLighting, Renderer};
 
 use super::{LightingKey, Studio, Update};
 use crate::environment::{LightingRequest, LightingResult, MapSource, work_out, work_out_stage};
@@ -96,15 +96,28 @@ impl Studio {
     /// # Errors
     /// As [`Studio::new`]; the session then stays as it was.
     pub fn reopen(&mut self, gpu: &Gpu) -> Result<(), StudioError> {
-        let mut look = self.look().clone();
-        self.lit_for.restore(&mut look);
-        let map = MapSource::Loaded(Arc::clone(self.stage.environment()));
-        let worked_out = work_out(LightingRequest { map, look })?;
+        let prepared = self.prepare_lighting()?;
         let mut renderer = Renderer::new(gpu, self.settings()?)?;
         renderer.set_scene(self.stage.scene())?;
         renderer.set_environment_rotation(self.stage.world_from_environment())?;
-        renderer.set_prepared_lighting(worked_out.prepared)?;
+        renderer.set_prepared_lighting(prepared)?;
         self.renderer = renderer;
+        Ok(())
+    }
+
+    /// What is in force, worked out once more.
+    fn prepare_lighting(&self) -> Result<PreparedLighting, StudioError> {
+        let mut look = self.look().clone();
+        self.lit_for.restore(&mut look);
+        let map = MapSource::Loaded(Arc::clone(self.stage.environment()));
+        Ok(work_out(LightingRequest { map, look })?.prepared)
+    }
+
+    /// Lights the renderer again: one that has no room for the shadow maps of a scene's own lights is left without any.
+    pub(super) fn light_again(&mut self) -> Result<(), StudioError> {
+        if self.renderer.light_count() == 0 {
+            self.renderer.set_prepared_lighting(self.prepare_lighting()?)?;
+        }
         Ok(())
     }
 
@@ -157,6 +170,7 @@ impl Studio {
                 let failed = std::mem::replace(&mut self.stage, before);
                 // It was on the device before: there is no reason why it should not be again.
                 self.put_on_device(failed.look())?;
+                self.light_again()?;
             }
             result.map(|()| asked)
         });
