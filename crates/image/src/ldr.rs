@@ -83,7 +83,14 @@ fn from_image(error: &image::ImageError, format: &'static str) -> DecodeError {
     }
 }
 
-/// Encodes display-linear values as 8-bit sRGB PNG, clipped to 0..1 and rounded to the nearest code; NaN becomes 0.
+/// Display-linear values as 8-bit sRGB, three codes a texel: clipped to 0..1 and rounded to the nearest code; NaN becomes 0.
+pub fn srgb8(image: &RgbImage) -> Vec<u8> {
+    // A float converts to an integer by clipping, NaN to 0.
+    let code = |linear: f32| (srgb_encode(linear.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+    image.texels().iter().flat_map(|texel| texel.to_array().map(code)).collect()
+}
+
+/// Encodes [`srgb8`] as PNG.
 ///
 /// # Errors
 /// The reason, for a picture without texels.
@@ -91,12 +98,9 @@ pub fn encode_png(image: &RgbImage) -> Result<Vec<u8>, String> {
     if image.texels().is_empty() {
         return Err("the picture is empty".to_owned());
     }
-    // A float converts to an integer by clipping, NaN to 0.
-    let code = |linear: f32| (srgb_encode(linear.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
-    let codes: Vec<u8> = image.texels().iter().flat_map(|texel| texel.to_array().map(code)).collect();
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
-        .write_image(&codes, image.width(), image.height(), ExtendedColorType::Rgb8)
+        .write_image(&srgb8(image), image.width(), image.height(), ExtendedColorType::Rgb8)
         .map_err(|error| error.to_string())?;
     Ok(bytes)
 }

@@ -28,6 +28,7 @@ mod sampler;
 mod shade;
 mod spherical_rectangle;
 mod traced_scene;
+mod welford;
 
 pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;

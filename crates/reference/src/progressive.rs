@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::render::{batch_mean, check, environment_tracer};
 use crate::shade::Tracer;
+use crate::welford::Welford;
 use crate::{Estimate, ReferenceError, ReferenceOptions};
 
 /// A reference picture that gets better pass by pass, of the scene under the environment itself and the scene's own lights, as
@@ -19,8 +20,8 @@ pub struct Progressive<'a> {
     seed: u64,
     samples_per_pass: u32,
     passes: u32,
-    /// Mean of every pixel, and the sum of squared differences from it (Welford's recurrence over passes).
-    pixels: Vec<(DVec3, DVec3)>,
+    /// Over the passes.
+    pixels: Vec<Welford>,
 }
 
 impl<'a> Progressive<'a> {
@@ -43,7 +44,7 @@ impl<'a> Progressive<'a> {
             seed,
             samples_per_pass: samples_per_pixel,
             passes: 0,
-            pixels: vec![(DVec3::ZERO, DVec3::ZERO); width as usize * height as usize],
+            pixels: vec![Welford::default(); width as usize * height as usize],
         })
     }
 
@@ -54,19 +55,16 @@ impl<'a> Progressive<'a> {
     pub fn add_pass(&mut self, cancel: &AtomicBool) -> Result<(), ReferenceError> {
         let Self { tracer, camera, size, seed, samples_per_pass, passes, pixels } = self;
         let (tracer, camera, passes_before) = (&*tracer, &*camera, *passes);
-        let count = f64::from(passes_before + 1);
         let rows = pixels.par_chunks_mut(size.x as usize).enumerate().with_max_len(1);
         rows.try_for_each(|(y, row)| {
-            for (x, (mean, squares)) in row.iter_mut().enumerate() {
+            for (x, sums) in row.iter_mut().enumerate() {
                 if cancel.load(Ordering::Relaxed) {
                     return Err(ReferenceError::Cancelled);
                 }
                 let pixel = UVec2::new(x as u32, y as u32);
                 let value =
                     batch_mean(tracer, camera, (*size, pixel), (*seed, passes_before), *samples_per_pass);
-                let difference = value - *mean;
-                *mean += difference / count;
-                *squares += difference * (value - *mean);
+                sums.add(value, passes_before + 1);
             }
             Ok(())
         })?;
@@ -76,19 +74,14 @@ impl<'a> Progressive<'a> {
 
     /// Mean and variance so far; before the second pass nothing is known of the variance, which is then 0.
     pub fn estimate(&self) -> Estimate {
-        let count = f64::from(self.passes);
-        let picture = |value: &dyn Fn(&(DVec3, DVec3)) -> DVec3| {
+        let picture = |value: &dyn Fn(&Welford) -> DVec3| {
             RgbImage::from_fn(self.size.x, self.size.y, |x, y| {
                 value(&self.pixels[(y * self.size.x + x) as usize]).as_vec3()
             })
         };
-        let variance = |squares: DVec3| match self.passes {
-            0 | 1 => DVec3::ZERO,
-            _ => squares / (count * (count - 1.0)),
-        };
         Estimate {
-            mean: picture(&|(mean, _)| *mean),
-            variance: picture(&|(_, squares)| variance(*squares)),
+            mean: picture(&|sums| sums.mean),
+            variance: picture(&|sums| sums.variance_of_mean(self.passes)),
             samples_per_pixel: self.passes * self.samples_per_pass,
         }
     }

@@ -13,6 +13,7 @@ use crate::illumination::Illumination;
 use crate::sampler::{Decision, Sequence};
 use crate::shade::Tracer;
 use crate::traced_scene::TracedScene;
+use crate::welford::Welford;
 use crate::{ReferenceError, camera_ray};
 
 /// Largest picture: 64 million pixels, 1.6 GB of mean and variance.
@@ -168,9 +169,12 @@ fn estimate(
                 return Err(ReferenceError::Cancelled);
             }
             let pixel = UVec2::new(x as u32, y as u32);
-            let batch_means = (0..batches)
-                .map(|batch| batch_mean(tracer, camera, (size, pixel), (seed, batch), batch_size));
-            (*mean, *variance) = mean_and_variance(batch_means);
+            let mut sums = Welford::default();
+            for batch in 0..batches {
+                let value = batch_mean(tracer, camera, (size, pixel), (seed, batch), batch_size);
+                sums.add(value, batch + 1);
+            }
+            (*mean, *variance) = (sums.mean.as_vec3(), sums.variance_of_mean(batches).as_vec3());
         }
         if let Some(progress) = options.progress {
             let finished = finished_rows.fetch_add(1, Ordering::Relaxed) + 1;
@@ -198,29 +202,4 @@ pub(crate) fn batch_mean(
         })
         .sum();
     sum / f64::from(samples)
-}
-
-/// Mean of independent values, and the unbiased variance of that mean, by Welford's recurrence.
-fn mean_and_variance(values: impl Iterator<Item = DVec3>) -> (Vec3, Vec3) {
-    let (mut count, mut mean, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
-    for value in values {
-        count += 1.0;
-        let difference = value - mean;
-        mean += difference / count;
-        squares += difference * (value - mean);
-    }
-    (mean.as_vec3(), (squares / (count * (count - 1.0))).as_vec3())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn variance_of_the_mean_in_closed_form() {
-        // 1, 2, 3, 4: mean 2.5, sample variance 5/3, of the mean 5/12.
-        let values = [1.0, 2.0, 3.0, 4.0].map(DVec3::splat);
-        let (mean, variance) = mean_and_variance(values.into_iter());
-        assert!((mean.x - 2.5).abs() < 1e-7 && (variance.x - 5.0 / 12.0).abs() < 1e-7);
-    }
 }

@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
 use gnomon_image::RgbImage;
-use gnomon_image::tonemap::srgb_encode;
+use gnomon_image::ldr::srgb8;
 
 use crate::StudioError;
 
@@ -76,11 +76,8 @@ impl Film {
     /// # Errors
     /// [`StudioError::Request`] with ffmpeg's words.
     pub fn add(&mut self, displayed: &RgbImage) -> Result<(), StudioError> {
-        let encode = |value: f32| (srgb_encode(value.clamp(0.0, 1.0)) * 255.0).round() as u8;
-        let bytes: Vec<u8> =
-            displayed.texels().iter().flat_map(|texel| texel.to_array().map(encode)).collect();
         let written = match &mut self.frames {
-            Some(frames) => frames.write_all(&bytes),
+            Some(frames) => frames.write_all(&srgb8(displayed)),
             None => Err(io::ErrorKind::BrokenPipe.into()),
         };
         written.map_err(|error| self.failed(&error.to_string()))
