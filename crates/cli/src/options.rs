@@ -15,7 +15,6 @@ use std::str::FromStr;
 use clap::Args;
 use gnomon::envmap::Projection;
 use gnomon::image::tonemap::ToneMapping;
-use gnomon::lights::FitOptions;
 use gnomon::lights::fit::{Sampler, sampler_by_name};
 use gnomon::studio::FitLook;
 
@@ -46,17 +45,6 @@ pub struct FitArgs {
 }
 
 impl FitArgs {
-    /// What they ask of a fit.
-    pub fn options(&self) -> FitOptions {
-        FitOptions {
-            light_count: self.light_count,
-            threshold: self.threshold,
-            max_extent: self.max_extent.map(f32::to_radians),
-            sampler: self.sampler,
-            seed: self.seed.unwrap_or(0),
-        }
-    }
-
     /// Changes what they mention.
     pub fn apply(&self, look: &mut FitLook) {
         // Count and threshold exclude each other: what is asked for here goes before the other in the scene file.
@@ -150,7 +138,44 @@ pub fn projection(text: &str) -> Result<Projection, String> {
 
 #[cfg(test)]
 mod tests {
+    use gnomon::lights::fit::samplers;
+    use gnomon::renderer::shadow;
+    use gnomon::studio::Look;
+
     use super::*;
+
+    #[test]
+    fn help_tells_the_defaults_that_are_in_force() {
+        let command = InputArgs::augment_args(clap::Command::new("all"));
+        let command = SequenceArgs::augment_args(GpuArgs::augment_args(command));
+        let help = |id: &str| {
+            let option = command.get_arguments().find(|option| option.get_id() == id);
+            let option = option.unwrap_or_else(|| unreachable!("there is no option for {id}"));
+            option.get_help().map(ToString::to_string).unwrap_or_default()
+        };
+        let look = Look::default();
+        let serde_json::Value::Object(render) = serde_json::to_value(&look.render).unwrap() else {
+            unreachable!("a look is an object")
+        };
+        let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
+        let mut expected: Vec<(&str, String)> =
+            render.iter().map(|(key, value)| (key.as_str(), text(value))).collect();
+        let [width, height] = look.display.size;
+        expected.extend([
+            ("lights", look.fit.method.clone()),
+            ("sampler", samplers()[0].name.to_owned()),
+            ("size", format!("the scene file's, or {width}x{height}")),
+            ("tone_mapping", format!("the scene file's, or {}", look.display.tone_mapping)),
+            ("fps", sequence::FRAMES_PER_SECOND.to_string()),
+        ]);
+        for (id, default) in expected {
+            let help = help(id);
+            assert!(help.ends_with(&format!("[default: {default}]")), "{id}, not {default}: {help}");
+        }
+        for (name, _) in shadow::names() {
+            assert!(help("shadows").contains(name), "{name}");
+        }
+    }
 
     #[test]
     fn sizes_are_two_positive_numbers() {

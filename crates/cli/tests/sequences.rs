@@ -99,7 +99,7 @@ fn frames_of_other_settings_are_not_mixed() {
         gnomon(folder.path(), &[&fixed[..], arguments].concat())
     };
     run(&["--env", "room", "--duration", "0.2", "--fps", "10"]).succeeded();
-    assert_eq!(files(folder.path()), ["x.exr.sequence.json", "x_0000.exr", "x_0001.exr"]);
+    assert_eq!(files(folder.path()), ["x_####.exr.sequence.json", "x_0000.exr", "x_0001.exr"]);
     run(&["--env", "sky", "--frames", "0..2"]).failed("x_0000.exr was drawn with other settings");
     run(&["--env", "room", "--frames", "0..2", "--fps", "10", "--exposure", "1"]).failed("--overwrite");
     let first = fs::read(folder.path().join("x_0000.exr")).unwrap();
@@ -265,4 +265,33 @@ fn mistakes_in_what_a_scene_file_says_of_drawing_are_told_with_their_line() {
         gnomon(folder.path(), &["render", "scene.toml", "-o", "a.png"]).failed(reason);
     }
     assert_eq!(files(folder.path()), ["scene.toml"]);
+}
+
+#[test]
+fn a_scene_is_saved_once_all_is_known_to_be_fit_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    let run = |arguments: &[&str]| {
+        let small = ["--size", "16x12", "--lights", "none", "--ambient", "unshadowed", "--supersample", "1"];
+        let saved = ["render", "column", "--env", "room", "--save-scene", "s.toml"];
+        gnomon(folder.path(), &[&saved[..], &small[..], arguments].concat())
+    };
+    let before = files(folder.path());
+    run(&["--debug", "candles", "-o", "a.png"]).failed("candles");
+    run(&["--frames", "0..9", "--duration", "0.1", "-o", "a.png"]).failed("ends with frame");
+    assert_eq!(files(folder.path()), before);
+    run(&["--frames", "0..0", "-o", "a.png"]).succeeded();
+    fs::remove_file(folder.path().join("s.toml")).unwrap();
+    // And with it whether the background is seen, which an option says against the file.
+    run(&["--background", "false", "-o", "dark.png"]).succeeded();
+    assert!(fs::read_to_string(folder.path().join("s.toml")).unwrap().contains("background = false"));
+    for (output, background) in [("again.png", None), ("seen.png", Some("true"))] {
+        let option = background.map_or(vec![], |background| vec!["--background", background]);
+        gnomon(folder.path(), &[&["render", "s.toml", "-o", output][..], &option[..]].concat()).succeeded();
+    }
+    let [dark, again, seen] =
+        ["dark.png", "again.png", "seen.png"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert!(dark == again && dark != seen);
 }

@@ -47,7 +47,7 @@ fn assert_same(saved: &Stage, opened: &Stage, what: &str) {
 fn changed(look: &Look) -> Look {
     let mut look = look.clone();
     look.fit = FitLook { method: "disks".to_owned(), threshold: Some(0.1), seed: 3, ..look.fit };
-    look.render.shadows = "pcss".to_owned();
+    look.render.shadows = "moments".to_owned();
     look.render.contact_samples = 3;
     look.display.exposure = Some(1.0 / 3.0);
     look.display.tone_mapping = "linear".to_owned();
@@ -130,10 +130,60 @@ fn models_with_cameras_and_clips_come_back_as_they_were() {
 }
 
 #[test]
+fn what_is_changed_is_not_the_default() {
+    let (before, after) = (Look::default(), changed(&Look::default()));
+    assert!(before.fit != after.fit && before.render.shadows != after.render.shadows);
+    assert_ne!(before.render.contact_samples, after.render.contact_samples);
+    let (before, after) = (before.display, after.display);
+    assert!(before.exposure != after.exposure && before.tone_mapping != after.tone_mapping);
+    assert_ne!(before.background, after.background);
+}
+
+#[test]
 fn a_failed_save_leaves_the_file_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
+    let names = || {
+        let mut names: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
     let stage = open("column", None).unwrap();
-    let error = stage.save_scene(&folder.path().join("absent/scene.toml")).unwrap_err().to_string();
-    assert!(error.contains("scene.toml") || error.contains("absent"), "{error}");
-    assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
+    let error = stage.save_scene(&folder.path().join("absent/scene.toml")).unwrap_err();
+    assert!(matches!(error, StudioError::Write { .. }), "{error}");
+    assert!(names().is_empty());
+    // A scene that is saved over its own file, and again when that can no longer be read.
+    let path = folder.path().join("scene.toml");
+    stage.save_scene(&path).unwrap();
+    let own = open(path.to_str().unwrap(), None).unwrap();
+    own.save_scene(&path).unwrap();
+    assert_same(&stage, &open(path.to_str().unwrap(), None).unwrap(), "over itself");
+    std::fs::write(&path, "no = scene = file").unwrap();
+    let error = own.save_scene(&path).unwrap_err().to_string();
+    assert!(error.contains("no scene file any more") && !error.contains('\n'), "{error}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "no = scene = file");
+    assert_eq!(names(), ["scene.toml"], "nothing half-written");
+}
+
+/// The tables of the scene format's description tell the defaults that are in force.
+#[test]
+fn the_descriptions_defaults_are_those_in_force() {
+    let lines: Vec<&str> = include_str!("../../scene/SCENE_FORMAT.md").lines().collect();
+    let look = Look::default();
+    let tables = [
+        ("fit", toml::Table::try_from(&look.fit).unwrap()),
+        ("render", toml::Table::try_from(&look.render).unwrap()),
+        ("display", toml::Table::try_from(&look.display).unwrap()),
+    ];
+    for (name, defaults) in tables {
+        let heading = format!("| `[{name}]` |");
+        let start = lines.iter().position(|line| line.starts_with(&heading)).unwrap();
+        let rows = || lines[start + 1..].iter().take_while(|line| line.starts_with('|'));
+        for (key, default) in defaults {
+            let row = rows().find(|row| row.starts_with(&format!("| `{key}` |")));
+            let row = row.unwrap_or_else(|| panic!("[{name}] has no {key}"));
+            let told = row.trim_end_matches([' ', '|']).rsplit('|').next().unwrap().trim();
+            assert_eq!(told.trim_matches('`'), default.to_string(), "[{name}] {key}");
+        }
+    }
 }

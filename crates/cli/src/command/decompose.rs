@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use gnomon::lights::{fit, preview};
+use gnomon::studio::FitLook;
 
 use crate::error::CliError;
 use crate::options::{FitArgs, load_environment, projection};
@@ -66,7 +67,9 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     if let Some(path) = &args.preview {
         output::check(path, &["png"])?;
     }
-    let method = fit::by_name(&args.method, &args.fit.options())?;
+    let mut asked = FitLook::default();
+    args.fit.apply(&mut asked);
+    let method = fit::by_name(&args.method, &asked.options()?)?;
     let spinner = terminal.spinner("fitting");
     let environment = load_environment(&args.environment, args.projection, args.env_rotation, terminal)?;
     let lights = method.fit(&environment)?;

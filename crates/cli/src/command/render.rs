@@ -55,6 +55,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "debug")]
     debug_light: usize,
 
+    /// Show the environment behind the scene [default: the scene file's, or true]
+    #[arg(long, value_name = "BOOL")]
+    background: Option<bool>,
+
     /// Write a scene file that brings the same picture without these options
     #[arg(long, value_name = "SCENE.toml")]
     save_scene: Option<PathBuf>,
@@ -77,6 +81,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     }
     let mut project = args.inputs.project()?;
     args.gpu.apply(&mut project.look);
+    project.look.display.background = args.background.unwrap_or(project.look.display.background);
     let gpu_options = GpuOptions { adapter: args.gpu.adapter.clone() };
     let mut stage = stage(project, terminal)?;
     let settled = match args.level_of_detail.budget_ms() {
@@ -88,11 +93,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         }
         None => None,
     };
-    if let Some(path) = &args.save_scene {
-        stage.save_scene(path)?;
-    }
     if is_sequence {
-        return sequence::render(&args.sequence, &args.output, &gpu_options, stage, terminal);
+        let files = (args.output.as_path(), args.save_scene.as_deref());
+        return sequence::render(&args.sequence, files, &gpu_options, stage, terminal);
     }
     let spinner = terminal.spinner("rendering");
     let [width, height] = stage.look().display.size;
@@ -110,6 +113,9 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         None => (stage.exposure(), stage.look().display.tone_mapping()?),
     };
     output::write_radiance(&args.output, &frame.radiance, shown)?;
+    if let Some(path) = &args.save_scene {
+        stage.save_scene(path)?;
+    }
     if let (Some(path), Some(times)) = (&args.stats, times) {
         let mut stats = stats(&mut studio, &times);
         if let Some(settled) = &settled {

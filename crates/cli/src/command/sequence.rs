@@ -14,13 +14,13 @@ use crate::options::SequenceArgs;
 use crate::output;
 use crate::terminal::Terminal;
 
-/// Draws a sequence on the GPU.
+/// Draws a sequence on the GPU, and saves its scene where that is asked for, as soon as all is known to be fit for it.
 ///
 /// # Errors
 /// No adapter, pictures of other settings under the same names, unwritable files, no ffmpeg for a film.
 pub fn render(
     args: &SequenceArgs,
-    output: &Path,
+    (output, save_scene): (&Path, Option<&Path>),
     options: &GpuOptions,
     stage: Stage,
     terminal: Terminal,
@@ -29,6 +29,9 @@ pub fn render(
     let job = Job::new(args, output, &stage, json!({ "gpu": gpu.adapter().name }))?;
     let [width, height] = stage.look().display.size;
     let mut studio = Studio::new(&gpu, stage)?;
+    if let Some(path) = save_scene {
+        studio.save_scene(path)?;
+    }
     job.run(terminal, |look| {
         studio.set_look(look)?;
         Ok(studio.frame(width, height)?.radiance)

@@ -28,7 +28,7 @@ pub struct InputArgs {
     env_rotation: Option<f32>,
 
     /// View: 'eye=X,Y,Z; target=X,Y,Z; fov=DEGREES' (horizontal), a TOML or JSON file with these three, or the name of one of
-    /// the scene's cameras [default: the scene's first, or one that frames it]
+    /// the scene's cameras [default: the scene's first, or one that frames it over the whole of its clip]
     #[arg(long, value_name = "CAMERA")]
     camera: Option<String>,
 
@@ -44,7 +44,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = finite)]
     time: Option<f32>,
 
-    /// Ground under the scene [default: plane for OBJ and PLY, none for others]
+    /// Ground under the scene, at its lowest point over the whole of its clip [default: plane for OBJ and PLY, none for others]
     #[arg(long, value_name = "GROUND")]
     ground: Option<GroundName>,
 

@@ -11,7 +11,7 @@ use crate::options::{finite, positive};
 #[derive(Args, Clone, Debug)]
 pub struct SequenceArgs {
     /// Draw a sequence: its first and last frame, both included. Frame N shows the scene N / FPS seconds after --time; frames that are
-    /// there already are kept
+    /// there already are kept. Several runs may draw one sequence at once, each its own frames
     #[arg(long, value_name = "A..B")]
     frames: Option<Frames>,
 
@@ -53,7 +53,7 @@ impl FromStr for Frames {
 }
 
 /// Frames a second where nobody says.
-const FRAMES_PER_SECOND: f32 = 25.0;
+pub(super) const FRAMES_PER_SECOND: f32 = 25.0;
 
 /// Most frames of a sequence: eleven hours of a film.
 const MOST_FRAMES: u32 = 1_000_000;
