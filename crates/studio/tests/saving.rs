@@ -123,6 +123,8 @@ fn models_with_cameras_and_clips_come_back_as_they_were() {
     let mut look = stage.look().clone();
     look.animation.clip = Some("0".to_owned());
     look.animation.time = 0.4;
+    // Under the whole clip, as the camera frames it.
+    look.ground = Ground::Plane;
     stage.set_look(look).unwrap();
     let saved = folder.path().join("posed.toml");
     stage.save_scene(&saved).unwrap();
