@@ -45,15 +45,14 @@ fn extent(light: &DistantLight, boxes: &[InstanceBox]) -> Extent {
     let mut held: Vec<Vec3> = Vec::new();
     let mut blocking = Vec::new();
     for (i, (place, own)) in boxes.iter().zip(&corners).enumerate() {
-        let others = || corners.iter().enumerate().filter(|(j, _)| *j != i).flat_map(|(_, corners)| corners);
         let plane = place.plane().filter(|_| boxes.len() > 1);
-        let heights = plane.and_then(|(center, normal)| {
-            let towards_light = normal * normal.dot(light.direction).signum();
-            range_of(others().map(|corner| (*corner - center).dot(towards_light)))
-        });
-        match (plane, heights) {
-            (Some(_), Some((low, _))) if low >= -tolerance => {}
-            (Some(plane), Some((_, high))) if high <= tolerance => blocking.push((plane, own)),
+        let bears_all = |towards: Vec3| {
+            let mut others = boxes.iter().enumerate().filter(|(j, _)| *j != i);
+            others.all(|(_, other)| place.bears(other, towards, tolerance))
+        };
+        match plane {
+            Some(_) if bears_all(light.direction) => {}
+            Some(plane) if bears_all(-light.direction) => blocking.push((plane, own)),
             _ => held.extend(own),
         }
     }

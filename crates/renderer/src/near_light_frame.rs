@@ -143,15 +143,15 @@ impl Frustum {
 /// The boxes without the planes, such as a ground, that have the light and everything else on one side: those block nothing, and what
 /// lies outside the map is lit.
 fn blockers<'b>(light: &PlacedLight, boxes: &'b [InstanceBox]) -> Vec<&'b InstanceBox> {
-    let corners: Vec<Vec<Vec3>> = boxes.iter().map(|place| place.corners().collect()).collect();
-    let size = corners.iter().flatten().fold(0.0, |size: f32, corner| size.max(corner.abs().max_element()));
+    let corners = boxes.iter().flat_map(InstanceBox::corners);
+    let size = corners.fold(0.0, |size: f32, corner| size.max(corner.abs().max_element()));
     let tolerance = 1e-4 * size;
     let blocks = |index: usize| {
         let Some((center, normal)) = boxes[index].plane() else { return true };
         let height = normal.dot(light.center - center);
-        let under = |corner: &Vec3| height.signum() * normal.dot(*corner - center) < -tolerance;
-        let mut others = (0..corners.len()).filter(|&other| other != index).flat_map(|other| &corners[other]);
-        height.abs() <= tolerance || others.any(under)
+        let mut others = boxes.iter().enumerate().filter(|(other, _)| *other != index);
+        let bears_all = others.all(|(_, other)| boxes[index].bears(other, height * normal, tolerance));
+        height.abs() <= tolerance || !bears_all
     };
     let blocking: Vec<&InstanceBox> = (0..boxes.len()).filter(|&i| blocks(i)).map(|i| &boxes[i]).collect();
     if blocking.is_empty() { boxes.iter().collect() } else { blocking }
