@@ -62,6 +62,11 @@ impl DebugView {
         self.name == "lights"
     }
 
+    /// Whether the chosen light's depth map is read.
+    pub(crate) fn reads_map(&self) -> bool {
+        self.name == "shadow-map"
+    }
+
     /// What the shader is told, but for what depends on batch and camera.
     pub(crate) fn parameters(&self) -> layout::DebugParameters {
         layout::DebugParameters { view: self.code, ..bytemuck::Zeroable::zeroed() }

@@ -204,7 +204,7 @@ impl Geometry {
             deformable,
             bind_group,
         };
-        geometry.move_boxes(scene, &pose, &placed)?;
+        geometry.boxes = geometry.moved_boxes(scene, &pose, &placed)?;
         Ok(geometry)
     }
 
@@ -225,19 +225,26 @@ impl Geometry {
         if !self.holds(scene, &placed) || data.joints.len() != self.joint_count {
             return Ok(false);
         }
-        self.move_boxes(scene, &pose, &placed)?;
+        self.boxes = self.moved_boxes(scene, &pose, &placed)?;
         gpu.queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&data.instances));
         gpu.queue.write_buffer(&self.joints, 0, bytemuck::cast_slice(&data.joints));
         gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&data.weights));
         Ok(true)
     }
 
-    fn move_boxes(&mut self, scene: &Scene, pose: &Pose, placed: &[Instance]) -> Result<(), RenderError> {
-        for place in &mut self.boxes {
+    /// The boxes as the pose has them.
+    fn moved_boxes(
+        &self,
+        scene: &Scene,
+        pose: &Pose,
+        placed: &[Instance],
+    ) -> Result<Vec<InstanceBox>, RenderError> {
+        let mut boxes = self.boxes.clone();
+        for place in &mut boxes {
             place.world_from_mesh = placed[place.instance].world_from_mesh;
         }
         for (index, deformable) in &self.deformable {
-            let Some(place) = self.boxes.get_mut(*index) else { continue };
+            let Some(place) = boxes.get_mut(*index) else { continue };
             let instance = &placed[place.instance];
             let joints = instance.skin.map(|skin| pose.world_from_bind[skin.0].as_slice());
             let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
@@ -249,8 +256,8 @@ impl Geometry {
         let near = |corner: Vec3| corner.abs().max_element() <= FARTHEST && corner.is_finite();
         // Boxes do not tell: a minimum skips what is no number.
         let finite = pose.world_from_nodes.iter().all(Affine3A::is_finite);
-        if finite && self.boxes.iter().flat_map(InstanceBox::corners).all(near) {
-            Ok(())
+        if finite && boxes.iter().flat_map(InstanceBox::corners).all(near) {
+            Ok(boxes)
         } else {
             Err(RenderError::OutOfRange {
                 what: "the distance of a vertex from the origin",

@@ -65,7 +65,7 @@ const fn required_limit(name: &'static str, least: u64, of: fn(&wgpu::Limits) ->
 const REQUIRED_LIMITS: [RequiredLimit; 7] = [
     required_limit("bind groups", 4, |l| l.max_bind_groups as u64),
     required_limit("storage textures a shader", 4, |l| l.max_storage_textures_per_shader_stage as u64),
-    required_limit("storage buffers a shader", 5, |l| l.max_storage_buffers_per_shader_stage as u64),
+    required_limit("storage buffers a shader", 8, |l| l.max_storage_buffers_per_shader_stage as u64),
     required_limit("sampled textures a shader", 12, |l| l.max_sampled_textures_per_shader_stage as u64),
     required_limit("bytes of a uniform buffer", 1 << 16, |l| l.max_uniform_buffer_binding_size),
     required_limit("colour attachments", 4, |l| l.max_color_attachments as u64),

@@ -15,8 +15,8 @@ use crate::composite::{self, Compositing};
 use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
-use crate::light_pass::{self, LightPass};
-use crate::lighting::{Lighting, PreparedLighting};
+use crate::light_pass;
+use crate::lighting::PreparedLighting;
 use crate::lod::LevelOfDetail;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
@@ -25,15 +25,17 @@ use crate::resolve::{Output, ResolvePass};
 use crate::settings::{RenderSettings, in_range};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::{self, ShadowTechnique};
-use crate::shadow_batches::ShadowBatches;
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
 mod bands;
 mod debug;
 mod display;
+mod lit;
 mod live;
 mod materials;
+
+use lit::Lit;
 
 /// One finished picture.
 pub struct Frame {
@@ -76,21 +78,6 @@ struct Passes {
     compose: ComposePass,
     cache: RadianceCachePass,
     resolve: ResolvePass,
-}
-
-/// What depends on the lights.
-struct Lit {
-    lighting: Lighting,
-    batches: ShadowBatches,
-    frame_groups: Vec<wgpu::BindGroup>,
-    light: LightPass,
-    environment: EnvironmentGroups,
-}
-
-/// Bind groups of the environment's maps and the radiance cache.
-struct EnvironmentGroups {
-    compose: wgpu::BindGroup,
-    cache: wgpu::BindGroup,
 }
 
 /// What depends on the picture's size.
@@ -163,13 +150,14 @@ impl Renderer {
     /// Takes a scene over: its triangles, materials, textures and area lights.
     ///
     /// # Errors
-    /// [`RenderError::OverLimit`] where the adapter cannot hold it.
+    /// [`RenderError::OverLimit`] where the adapter cannot hold it; the scene before it then stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        self.geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
-        self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+        let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
+        let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+        self.set_near_lights(scene)?;
+        (self.geometry, self.materials) = (geometry, materials);
         self.bounds = self.geometry.bounds();
         self.cache_lobes(scene);
-        self.set_near_lights(scene)?;
         self.gpu.check()
     }
 
@@ -187,18 +175,6 @@ impl Renderer {
         }
         self.bounds = self.geometry.bounds();
         self.set_near_lights(scene)
-    }
-
-    /// Takes the scene's own lights over; more or fewer of them than before need other maps.
-    fn set_near_lights(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let before = std::mem::replace(&mut self.near_lights, scene.placed_lights());
-        match self.lighting.take() {
-            Some(lit) if before.len() != self.near_lights.len() => self.light_up(lit.lighting),
-            unchanged => {
-                self.lighting = unchanged;
-                Ok(())
-            }
-        }
     }
 
     /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.
@@ -219,60 +195,19 @@ impl Renderer {
         let settings = RenderSettings { shadow_resolution, shadow_sampling, ..self.settings.clone() };
         settings.check()?;
         let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
-        let Some(lit) = self.lighting.take() else {
+        let Some(lit) = &self.lighting else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
-        if self.settings.shadow_sampling != shadow_sampling {
+        let lighting = lit.lighting.clone().with_lights(&self.gpu, ambient);
+        let before = std::mem::replace(&mut self.settings, settings);
+        if let Err(error) = self.light_up(lighting) {
+            self.settings = before;
+            return Err(error);
+        }
+        if before.shadow_sampling != shadow_sampling {
             self.target = None;
         }
-        self.settings = settings;
-        self.light_up(lit.lighting.with_lights(&self.gpu, ambient))?;
         self.gpu.check()
-    }
-
-    /// Makes what depends on the lights: those of the environment and then the scene's own.
-    fn light_up(&mut self, mut lighting: Lighting) -> Result<(), RenderError> {
-        lighting.turn(self.world_from_environment);
-        let gpu = &self.gpu;
-        let (technique, passes) = (self.technique, &self.passes);
-        let batches = ShadowBatches::new(
-            gpu,
-            &passes.shadow_map,
-            technique,
-            &self.settings,
-            &lighting,
-            &self.near_lights,
-        )?;
-        let groups = [
-            Some(&passes.frame_layout),
-            Some(&passes.gbuffer.read_layout),
-            batches.shadow_layout(),
-            Some(&passes.points.light_layout),
-        ];
-        let light = LightPass::new(gpu, technique.module(&self.settings.shadow_settings), groups)?;
-        let frame_groups = batches.frame_groups(gpu, &passes.frame_layout, &self.view);
-        let environment = self.environment_groups(&lighting);
-        self.lighting = Some(Lit { lighting, batches, frame_groups, light, environment });
-        self.bind_debug_view();
-        Ok(())
-    }
-
-    fn environment_groups(&self, lighting: &Lighting) -> EnvironmentGroups {
-        let (gpu, passes) = (&self.gpu, &self.passes);
-        EnvironmentGroups {
-            compose: passes.compose.environment_group(gpu, &self.view, lighting, &self.cache),
-            cache: passes.cache.group(gpu, &self.cache, &lighting.background),
-        }
-    }
-
-    /// GPU memory of all shadow maps and their filtered images in bytes.
-    pub fn shadow_bytes(&self) -> u64 {
-        self.lighting.as_ref().map_or(0, |lit| lit.batches.bytes())
-    }
-
-    /// Number of batches that the lights are drawn in: one for each size of map, more where memory is short.
-    pub fn shadow_batches(&self) -> usize {
-        self.lighting.as_ref().map_or(0, |lit| lit.batches.len())
     }
 
     fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {

@@ -227,8 +227,8 @@ impl ShadowBatches {
         let (shadow_map, light) = passes;
         for (batch, frame_group) in self.batches.iter().zip(frame_groups) {
             let class = &self.classes[batch.class];
-            let (maps, group) = (&class.depth_maps, &batch.lights_group);
-            shadow_map.encode(recorder, geometry, maps, group, &batch.perspective);
+            let maps = &class.depth_maps;
+            self.draw_maps(recorder, shadow_map, geometry, batch);
             recorder.end_pass("shadow maps")?;
             class.shadows.encode(recorder, maps.capacity.min(batch.members.len() as u32));
             recorder.end_pass("shadow filter")?;
@@ -236,6 +236,30 @@ impl ShadowBatches {
             recorder.end_pass("light")?;
         }
         Ok(())
+    }
+
+    /// Draws the depth maps of a batch once more: another batch with maps of that size may have taken their place.
+    pub fn draw_maps_again(
+        &self,
+        recorder: &mut Recorder<'_>,
+        pass: &ShadowMapPass,
+        geometry: &Geometry,
+        batch: usize,
+    ) {
+        if let Some(batch) = self.batches.get(batch) {
+            self.draw_maps(recorder, pass, geometry, batch);
+        }
+    }
+
+    fn draw_maps(
+        &self,
+        recorder: &mut Recorder<'_>,
+        pass: &ShadowMapPass,
+        geometry: &Geometry,
+        batch: &Batch,
+    ) {
+        let maps = &self.classes[batch.class].depth_maps;
+        pass.encode(recorder, geometry, maps, &batch.lights_group, &batch.perspective);
     }
 }
 

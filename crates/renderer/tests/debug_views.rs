@@ -141,6 +141,23 @@ fn a_shadow_map_shows_what_the_light_sees() {
 }
 
 #[test]
+fn a_shadow_map_is_the_chosen_lights_also_where_batches_share_their_maps() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let scene = scene_of(vec![sphere()], Material::default());
+    let lights = [Vec3::Y, Vec3::X].map(|direction| one_disk(direction, 0.2).lights);
+    let set = LightSet::new("two", lights.concat(), no_light());
+    let picture = |shadow_memory_bytes| {
+        let settings = RenderSettings { shadow_resolution: 64, shadow_memory_bytes, ..settings() };
+        let mut renderer = renderer(&gpu, settings, &scene, &set);
+        renderer.set_debug_view("shadow-map", 0).unwrap();
+        (renderer.shadow_batches(), renderer.render(&from_front(), SIZE, SIZE).unwrap().display)
+    };
+    let (together, in_turn) = (picture(1 << 30), picture(64 * 64 * 4));
+    assert_eq!((together.0, in_turn.0), (1, 2));
+    assert!(together.1 == in_turn.1, "another light's map is shown");
+}
+
+#[test]
 fn points_are_white_once_a_tile_and_red_at_edges() {
     let Some(gpu) = gpu_or_skip() else { return };
     let floor = horizontal(Vec2::splat(-9.0), Vec2::splat(9.0), -1.0);

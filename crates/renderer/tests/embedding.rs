@@ -108,6 +108,12 @@ fn a_device_that_is_too_weak_is_refused_by_name() {
     let (_, gpu) = open(&adapter, &narrow);
     let Err(error @ RenderError::MissingFeature { .. }) = gpu else { panic!("no limit was missed") };
     assert!(error.to_string().contains("4 storage textures"), "{error}");
+
+    let mut narrow = Gpu::device_descriptor(&adapter);
+    narrow.required_limits.max_storage_buffers_per_shader_stage = 7;
+    let (_, gpu) = open(&adapter, &narrow);
+    let Err(error @ RenderError::MissingFeature { .. }) = gpu else { panic!("no limit was missed") };
+    assert!(error.to_string().contains("8 storage buffers"), "{error}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use gnomon_image::RgbImage;
 use gnomon_lights::LightSet;
 use gnomon_metrics::{compare, penumbra, tolerances};
 use gnomon_reference::ReferenceOptions;
-use gnomon_renderer::{Gpu, RenderSettings, Renderer, composite, shadow};
+use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, composite, shadow};
 use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, builtin};
 
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
@@ -318,4 +318,30 @@ fn odd_lamps_are_defined() {
         let around = AreaLightShape::Sphere { radius: 100.0 };
         assert!(picture(around, Affine3A::IDENTITY), "inside a sphere there is none of its light");
     }
+}
+
+#[test]
+fn a_scene_that_cannot_be_taken_leaves_the_one_before() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut renderer = unlit_renderer(&gpu, "hard");
+    let floor = || scene_of(vec![horizontal(Vec2::splat(-1.0), Vec2::splat(1.0), 0.0)], lambert(0.5));
+    let mut lit = floor();
+    add_light(&mut lit, DISK, facing_down(2.0 * Vec3::Y));
+    renderer.set_scene(&lit).unwrap();
+    let before = renderer.render(&downward(3.0, 1.0), 16, 16).unwrap().display;
+    assert!(before.iter().any(|texel| texel[0] > 20), "nothing is lit");
+
+    let mut far = floor();
+    far.nodes[0].parent_from_node = Affine3A::from_translation(Vec3::splat(1e20));
+    let Err(error) = renderer.set_scene(&far) else { panic!("a scene out of all bounds was taken") };
+    assert!(error.to_string().contains("origin"), "{error}");
+    assert!(renderer.move_scene(&far).is_err());
+    assert_eq!(renderer.render(&downward(3.0, 1.0), 16, 16).unwrap().display, before);
+
+    let no_map = RenderSettings { shadow_memory_bytes: 4, ..settings("hard") };
+    let mut renderer = Renderer::new(&gpu, no_map).unwrap();
+    renderer.set_lighting(&no_light(), &dark_set()).unwrap();
+    renderer.set_scene(&floor()).unwrap();
+    assert!(matches!(renderer.set_scene(&lit), Err(RenderError::OverBudget { .. })));
+    renderer.render(&downward(3.0, 1.0), 16, 16).unwrap();
 }

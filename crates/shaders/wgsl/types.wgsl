@@ -315,7 +315,7 @@ struct DebugParameters {
     // Of what is seen [m].
     least_depth: f32,
     depth_range: f32,
-    // Factor that puts the environment's mean luminance at 0.5.
+    // Factor of the exposure in force.
     exposure: f32,
     // Of this batch.
     light_count: u32,

@@ -151,7 +151,7 @@ fn random_scene(random: &mut Random) -> Scene {
         let normal = random.vector().normalize_or(Vec3::Y);
         mesh.normals.push(normal);
         mesh.tangents.push(normal.any_orthonormal_vector().extend(if vertex % 2 == 0 { 1.0 } else { -1.0 }));
-        let bends = (11 * (vertex as u32 % 12)) / 11;
+        let bends = vertex as u32 % 12;
         let weight = 1.0 / bends.max(1) as f32;
         mesh.influences.entries.extend((0..bends).map(|i| ((vertex as u32 + 3 * i) % joints, weight)));
         mesh.influences.starts.push(mesh.influences.entries.len() as u32);
