@@ -168,13 +168,15 @@ impl DataFolder {
                 node.parent_from_node = turned * node.parent_from_node;
             }
         }
-        if let Some((_, shininess)) = SHININESS.iter().find(|(scene, _)| *scene == source.name) {
-            make_glossy(&mut scene, *shininess);
+        let shininess =
+            SHININESS.iter().find(|(scene, _)| *scene == source.name).map(|(_, shininess)| *shininess);
+        if let Some(shininess) = shininess {
+            make_glossy(&mut scene, shininess);
             // Light from below is part of what a highlight shows; the paper's models have nothing under them.
             ground = Ground::None;
         }
         let mut camera = scene.cameras.first().cloned().unwrap_or_else(|| default_camera(&scene, ASPECT));
-        if stand_in.is_none() && SHININESS.iter().any(|(scene, _)| *scene == source.name) {
+        if stand_in.is_none() && shininess.is_some() {
             camera = filling(&scene, &camera);
         }
         scene.add_ground(ground);

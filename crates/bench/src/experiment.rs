@@ -17,7 +17,7 @@ pub trait Experiment: Sync {
     fn run(&self, lab: &Lab<'_>) -> Result<Section, BenchError>;
 }
 
-/// The evaluation of one paper.
+/// The evaluation of one paper, or of one property of the renderer.
 pub struct Suite {
     /// Name on the command line.
     pub name: &'static str,

@@ -1,6 +1,6 @@
 //! Experiments: the evaluations of the papers that this project implements, made again on this machine.
 //!
-//! A [`Suite`] is the evaluation of one paper, an [`Experiment`] one figure or table of it: a file in the suite's folder and a
+//! A [`Suite`] is the evaluation of one paper or of one property such as motion, an [`Experiment`] one figure or table of it: a file in the suite's folder and a
 //! line in its list. An experiment is given a [`Lab`] (adapter, data, truth pictures, how much time there is) and returns a
 //! [`gnomon_report::Section`]. Rivals are timed by [`timing::interleaved`], so that none has the machine for itself while
 //! another shares it, and every time stands beside an error against ray-traced truth.

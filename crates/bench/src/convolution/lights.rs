@@ -161,14 +161,14 @@ fn duel_table() -> Table {
         &TIME_COLUMNS,
         &[
             ("rounds", ""),
-            ("times the time of 30 convolution lights", ""),
+            ("over the first row's time", ""),
             ("shadow memory", "MiB"),
             ("relative RMSE", ""),
             ("paper, 8800 GTX", "ms"),
         ],
     ]
     .concat();
-    let caption = "30 lights with soft shadows against many hard shadow maps, all maps of one size, timed interleaved; soft shadows also with light summed once for 4 x 4 samples";
+    let caption = "30 lights with soft shadows against many hard shadow maps, all maps of one size, timed interleaved; each with light summed at every sample, and once for 4 x 4";
     Table::new("lights_hard_maps", caption, &columns)
 }
 

@@ -171,8 +171,7 @@ impl Experiment for Best {
         let mut paragraphs = vec![format!(
             "{} x {} pixels of {} x {} samples, Lambert 0.5, shadow maps of at most {} texels a side, every other setting that of `gnomon \
              render`. At most {LIGHTS} lights in all: a fit that leaves an ambient rest is asked for {}, the rest becomes cells or probes. \
-             Times: median frames of 2 x 2 samples, mean over the scenes under their first environment. Settings whose mean error over \
-             the first {SCREENING} pictures was more than {WORTHWHILE} times the least are not drawn again: their means are of those pictures.",
+             Times: median frames of 2 x 2 samples, mean over the scenes under their first environment.",
             size[0],
             size[1],
             frame.samples,
@@ -180,6 +179,12 @@ impl Experiment for Best {
             frame.shadow_resolution,
             LIGHTS - CELLS
         )];
+        if pairs.len() > SCREENING {
+            paragraphs.push(format!(
+                "Settings whose mean error over the first {SCREENING} pictures was more than {WORTHWHILE} times the least are not drawn \
+                 again: their means are of those pictures."
+            ));
+        }
         paragraphs.push(verdict(&results));
         paragraphs.extend(stand_ins(&stages, &environments));
         let tables = vec![ranking(&results, &pairs), by_pair(&results, &pairs)];
@@ -282,13 +287,13 @@ impl Outcome {
     }
 }
 
-/// Least mean error first, those that were screened out after the others; what could not be drawn last.
+/// Least mean error first, those that were screened out after the others; what could not be drawn last of all.
 fn ranked(results: &[Outcome]) -> Vec<&Outcome> {
     let mut ranked: Vec<&Outcome> = results.iter().collect();
-    let key = |result: &Outcome| (!result.is_in, result.mean_and_worst()[0]);
+    let group = |result: &Outcome| (result.mean_and_worst()[0].is_nan(), !result.is_in);
     ranked.sort_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        let means = a.mean_and_worst()[0].total_cmp(&b.mean_and_worst()[0]);
+        group(a).cmp(&group(b)).then(means)
     });
     ranked
 }

@@ -154,8 +154,8 @@ impl Subject {
 pub(super) fn reading() -> String {
     format!(
         "RMS is the paper's measure: the root mean square over the picture and over channels of {DISPLAY_MAPPING}, at the exposure of \
-         `gnomon render`, which brings the environment's mean luminance to 0.5; beside it that of the pixels of the models alone, which \
-         does not depend on how much of the picture they fill. Relative RMSE is of linear radiance over the picture. The truth is ray \
+         `gnomon render`, which brings the environment's mean luminance to 0.5; where there is a column for it, also over the pixels of the \
+         models alone, which does not depend on how much of the picture they fill. Relative RMSE is of linear radiance over the picture. The truth is ray \
          traced; the paper's is its own picture with 1000 lights. Models are grey, matte 0.1 and Phong 0.8 with exponent 40 (bunny, \
          horse) or 500 (triceratops), stand free and fill the picture; the terrain is matte 0.5."
     )

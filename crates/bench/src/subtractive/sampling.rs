@@ -55,7 +55,7 @@ impl Experiment for Sampling {
         let samplings: &[u32] = lab.pick(&SAMPLINGS[..2], &SAMPLINGS, &SAMPLINGS);
         // The paper's 30 lights; soft shadows with the number of lights that is the renderer's default.
         let families =
-            [(POINTS, "subtractive", lab.pick(6, 30, 30)), (AREAS[0], "ratio", lab.pick(6, 60, 60))];
+            [(POINTS, "subtractive", lab.pick(6, 30, 30)), (AREAS[1], "ratio", lab.pick(6, 60, 60))];
         let mut paragraphs = vec![reading()];
         let (mut found, mut sheets) = (Vec::new(), Vec::new());
         for (index, case) in cases(lab).iter().enumerate() {
