@@ -85,6 +85,9 @@ pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
 /// What may cross a depth or normal edge of a coarse shadow buffer, as a share of the light beside it.
 pub const SAMPLING_BLEED: f32 = 0.01;
 
+/// Root mean square error of a highlight over its root mean square, with lights summed at a sixteenth of the samples or fewer.
+pub const SAMPLING_HIGHLIGHT: f32 = 0.25;
+
 /// Light that the series of four terms may take from a receiver right behind a map's near plane: the height of its ripples.
 pub const SERIES_RIPPLE: f32 = 0.06;
 

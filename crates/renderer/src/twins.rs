@@ -164,10 +164,13 @@ fn prefiltered_levels() {
 #[test]
 fn resampling() {
     let input = |u: Vec4, _| {
-        [Vec4::new(3.0 * u.x - 1.5, 3.0 * u.y - 1.5, 2.0 * u.z - 1.0, 2.0 * u.w - 1.0), Vec4::ZERO]
+        let alpha = 0.05 + 0.95 * u.x;
+        [Vec4::new(3.0 * u.x - 1.5, 3.0 * u.y - 1.5, 2.0 * u.z - 1.0, 2.0 * u.w - 1.0), Vec4::splat(alpha)]
     };
-    compare("resample", "vec4f(resample_weight(a.xy, a.z, a.w), 0.0, 0.0, 0.0)", 1e-5, input, |[a, _]| {
-        scalar(resample::resample_weight(Vec2::new(a.x, a.y), a.z, a.w))
+    let expression = "vec4f(resample_weight(a.xy, a.z, a.w, resample_normal_power(b.x)), 0.0, 0.0, 0.0)";
+    compare("resample", expression, 1e-5, input, |[a, b]| {
+        let normal_power = resample::resample_normal_power(b.x);
+        scalar(resample::resample_weight(Vec2::new(a.x, a.y), a.z, a.w, normal_power))
     });
 }
 

@@ -7,11 +7,12 @@ mod common;
 use common::edge::white;
 use common::*;
 use glam::{Vec2, Vec3};
+use gnomon_brdf::{Model, Surface};
 use gnomon_image::RgbImage;
 use gnomon_lights::FitOptions;
 use gnomon_metrics::{compare, tolerances};
 use gnomon_renderer::{RenderError, RenderSettings, Renderer};
-use gnomon_scene::{Camera, LoadOptions, Projection, Scene};
+use gnomon_scene::{Camera, LoadOptions, Material, Projection, Scene};
 
 fn settings(shadow_sampling: u32) -> RenderSettings {
     RenderSettings { samples: 1, shadow_sampling, ..Default::default() }
@@ -153,6 +154,26 @@ fn light_does_not_cross_normal_edges() {
             let (got, want) = (got.x, want.x);
             assert!((got - want).abs() <= tolerances::SAMPLING_BLEED * lit, "{sampling}: {got}, {want}");
         }
+    }
+}
+
+/// A highlight is as wide as a tile or two of the sphere: without regard for its width the coarser buffer loses it.
+#[test]
+fn highlights_stay_as_narrow_as_they_are() {
+    let phong = Surface { model: Model::Phong, shininess: 40.0, specular: 1.0, ..Default::default() };
+    let surface = Surface { base_color: Vec3::splat(0.1), ..phong };
+    let scene = scene_of(vec![sphere()], Material { surface, ..Default::default() });
+    let camera = Camera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8);
+    let Some(full) = under_one_light(&scene, &camera, 1) else { return };
+    for sampling in [4, 16] {
+        let Some(coarse) = under_one_light(&scene, &camera, sampling) else { return };
+        let pairs = || coarse.texels().iter().zip(full.texels());
+        let squares =
+            |of: fn(Vec3, Vec3) -> Vec3| pairs().map(|(a, b)| of(*a, *b).length_squared()).sum::<f32>();
+        // Over the highlight's own root mean square: most of the picture is dark.
+        let error = (squares(|a, b| a - b) / squares(|_, b| b)).sqrt();
+        println!("sampling {sampling}: {error:.4}");
+        assert!(error < tolerances::SAMPLING_HIGHLIGHT, "{sampling}: {error}");
     }
 }
 

@@ -51,6 +51,11 @@ fn normal_at(sample: vec2u) -> vec3f {
     return octahedral_decode(textureLoad(gbuffer_normals, sample, 0).xy);
 }
 
+// The model that the G-buffer's metallic share stands for.
+fn model_from_code(metallic: f32) -> u32 {
+    return u32(max(0.5 - metallic, 0.0));
+}
+
 // What a sample of a depth above 0 shows.
 fn surface_at(sample: vec2u, depth: f32) -> Surface {
     let normals = textureLoad(gbuffer_normals, sample, 0);
@@ -69,7 +74,7 @@ fn surface_at(sample: vec2u, depth: f32) -> Surface {
     surface.diffuse_color = base_color_metallic.rgb * (1.0 - metallic);
     surface.f0 = mix(f0_f90.rgb, base_color_metallic.rgb, metallic);
     surface.f90 = mix(f0_f90.a, 1.0, metallic);
-    surface.model = u32(max(0.5 - code, 0.0));
+    surface.model = model_from_code(code);
     surface.parameter = emissive_roughness.a;
     surface.roughness = equivalent_roughness(surface.model, surface.parameter);
     surface.alpha = alpha_from_roughness(surface.roughness);

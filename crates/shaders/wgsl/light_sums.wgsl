@@ -35,13 +35,14 @@ fn sums_at(sample: vec2u, position_world: vec3f, n: vec3f) -> LightSums {
     if own != NO_POINT {
         return light_sums[own];
     }
+    let normal_power = normal_power_at(sample);
     var weights = 0.0;
     for (var i = 0; i < 9; i++) {
         let tile = center + vec2i(i % 3, i / 3) - 1;
         if all(tile >= vec2i(0)) && all(tile < vec2i(tiles)) {
             let point = point_of_tile[u32(tile.y) * tiles.x + u32(tile.x)];
             if point != NO_POINT {
-                let weight = point_weight(points[point], sample, position_world, n);
+                let weight = point_weight(points[point], sample, position_world, n, normal_power);
                 add_weighted(&sums, weight, light_sums[point]);
                 weights += weight;
             }

@@ -57,21 +57,23 @@ fn choose(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_in
     }
 }
 
-// Weight of all tiles around a sample.
-fn weight_around(sample: vec2u, position_world: vec3f, n: vec3f) -> f32 {
+// Whether the tiles around a sample stand for it.
+fn is_represented(sample: vec2u, position_world: vec3f, n: vec3f) -> bool {
     let tiles = (view.size + view.shadow_sampling - 1u) / view.shadow_sampling;
     let center = vec2i(sample / view.shadow_sampling);
+    let normal_power = normal_power_at(sample);
     var sum = 0.0;
-    for (var i = 0; i < 9; i++) {
-        let tile = center + vec2i(i % 3, i / 3) - 1;
+    // The sample's own tile first: mostly it is enough.
+    for (var i = 4; i < 13 && sum < RESAMPLE_MIN_WEIGHT; i++) {
+        let tile = center + vec2i(i % 3, (i / 3) % 3) - 1;
         if all(tile >= vec2i(0)) && all(tile < vec2i(tiles)) {
             let point = point_of_tile[u32(tile.y) * tiles.x + u32(tile.x)];
             if point != NO_POINT {
-                sum += point_weight(points[point], sample, position_world, n);
+                sum += point_weight(points[point], sample, position_world, n, normal_power);
             }
         }
     }
-    return sum;
+    return sum >= RESAMPLE_MIN_WEIGHT;
 }
 
 @compute @workgroup_size(8, 8)
@@ -81,7 +83,7 @@ fn refine(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_in
     if inside {
         depth = depth_at(id.xy);
     }
-    let wanted = depth > 0.0 && weight_around(id.xy, position_at(id.xy, depth), normal_at(id.xy)) < RESAMPLE_MIN_WEIGHT;
+    let wanted = depth > 0.0 && !is_represented(id.xy, position_at(id.xy, depth), normal_at(id.xy));
     let point = append(wanted, local, id.xy, depth);
     if inside {
         point_of_sample[id.y * view.size.x + id.x] = point;
