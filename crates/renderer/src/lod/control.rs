@@ -18,6 +18,8 @@ const REGRET: u32 = 40;
 const WORTHWHILE: f64 = 0.9;
 /// More detail is predicted to take at most so many times as long as now: predictions far from what was measured are rough.
 const LEAP: f64 = 3.0;
+/// Maps and shadow buffers become at most so many times finer a side at once: what hardly shows in the time of coarse ones is hardly known.
+const FINER: u32 = 4;
 
 /// What a controller makes of its budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,13 +156,15 @@ impl LodController {
         }
     }
 
-    /// Every size of map with every share of samples.
+    /// Every size of map with every share of samples that is not too far from now.
     fn coarse_settings(&self) -> impl Iterator<Item = LevelOfDetail> + use<> {
         let LodRange { least, best } = self.range;
         let powers =
             |from: u32, to: u32| (from.trailing_zeros()..=to.trailing_zeros()).map(|power| 1_u32 << power);
-        powers(least.shadow_resolution, best.shadow_resolution).flat_map(move |shadow_resolution| {
-            powers(best.shadow_sampling, least.shadow_sampling).map(move |shadow_sampling| LevelOfDetail {
+        let finest_map = best.shadow_resolution.min(self.level.shadow_resolution.saturating_mul(FINER));
+        let finest_sampling = best.shadow_sampling.max(self.level.shadow_sampling / FINER);
+        powers(least.shadow_resolution, finest_map).flat_map(move |shadow_resolution| {
+            powers(finest_sampling, least.shadow_sampling).map(move |shadow_sampling| LevelOfDetail {
                 shadow_resolution,
                 shadow_sampling,
                 ..least

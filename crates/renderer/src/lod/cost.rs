@@ -10,29 +10,33 @@ const STEP: f64 = 1.25;
 /// Levels that are remembered, and by how much the next older one counts less.
 const MEMORY: usize = 8;
 const FORGETTING: f64 = 0.8;
-/// Weight of what is assumed about a pass before two levels tell more.
+/// Weight of what is assumed about a pass before two levels tell more: that each term is what it is assumed to be, within about its own
+/// size, where times scatter by a tenth.
 const ASSUMED: f64 = 0.01;
+/// Terms assumed to be less than this share of their pass are held to that as loosely as if they were that much.
+const LEAST_ASSUMED: f64 = 0.02;
 /// Errors of passes shorter than this share of the frame count as if they were that long.
 const LEAST_SHARE: f64 = 0.02;
 
-/// How a pass's time depends on the level of detail: the sum of two terms, and which share of the time the first is taken for before
-/// anything else is known.
+/// How a pass's time depends on the level of detail: the sum of two terms, and how many times the second's coefficient the first's is taken
+/// for before anything else is known.
 #[derive(Clone, Copy)]
 enum Scaling {
     /// The same at every level.
     Constant,
-    /// Per light, and per light and texel of its map.
-    Texels { share_of_first: f64 },
-    /// Per light, and per light and sample of the shadow buffer.
-    Samples { share_of_first: f64 },
+    /// Per light, and per light and 256 x 256 texels of its map.
+    Texels { per_light: f64 },
+    /// Per light and side of the shadow buffer's samples, in 32 of the picture's: the coarser they are, the more samples at edges have sums
+    /// of their own. And per light for a sum at every sample of the picture.
+    Samples { per_light: f64 },
 }
 
 /// In the order of [`FrameTimes::to_array`].
 const SCALINGS: [Scaling; PASSES] = [
     Scaling::Constant,
-    Scaling::Texels { share_of_first: 0.5 },
-    Scaling::Texels { share_of_first: 0.1 },
-    Scaling::Samples { share_of_first: 0.1 },
+    Scaling::Texels { per_light: 0.25 },
+    Scaling::Texels { per_light: 0.05 },
+    Scaling::Samples { per_light: 0.02 },
     Scaling::Constant,
 ];
 
@@ -42,15 +46,21 @@ impl Scaling {
         match self {
             Self::Constant => [1.0, 0.0],
             Self::Texels { .. } => [lights, lights * (f64::from(level.shadow_resolution) / 256.0).powi(2)],
-            Self::Samples { .. } => [lights, lights / f64::from(level.shadow_sampling).powi(2)],
+            Self::Samples { .. } => {
+                let side = f64::from(level.shadow_sampling);
+                [lights * side / 32.0, lights / (side * side)]
+            }
         }
     }
 
-    fn shares(self) -> [f64; 2] {
+    /// What part of the time at a level each term is assumed to be.
+    fn shares(self, level: LevelOfDetail) -> [f64; 2] {
+        let [first, second] = self.terms(level);
         match self {
             Self::Constant => [1.0, 0.0],
-            Self::Texels { share_of_first } | Self::Samples { share_of_first } => {
-                [share_of_first, 1.0 - share_of_first]
+            Self::Texels { per_light } | Self::Samples { per_light } => {
+                let sum = (per_light * first + second).max(f64::MIN_POSITIVE);
+                [per_light * first / sum, second / sum]
             }
         }
     }
@@ -158,13 +168,14 @@ impl CostModel {
 /// Coefficients of a pass, none negative, that agree with the latest of `memory` and best with the rest.
 fn fitted(scaling: Scaling, pass: usize, memory: &[Remembered]) -> [f64; 2] {
     let Some(latest) = memory.last() else { return [0.0; 2] };
-    let (present, shares) = (scaling.terms(latest.level), scaling.shares());
+    let (present, shares) = (scaling.terms(latest.level), scaling.shares(latest.level));
     let time = latest.times[pass];
     // Normal equations; each term in units of the present one, so that both coefficients are times.
     let unit =
         |terms: [f64; 2]| [terms[0] / present[0].max(1.0), terms[1] / present[1].max(f64::MIN_POSITIVE)];
-    let (mut matrix, mut right) =
-        ([[ASSUMED, 0.0], [0.0, ASSUMED]], shares.map(|share| ASSUMED * share * time));
+    let assumed = shares.map(|share| ASSUMED / share.max(LEAST_ASSUMED).powi(2));
+    let mut matrix = [[assumed[0], 0.0], [0.0, assumed[1]]];
+    let mut right: [f64; 2] = std::array::from_fn(|i| assumed[i] * shares[i] * time);
     let scale = |known: &Remembered| known.times[pass].max(LEAST_SHARE * known.times.iter().sum::<f64>());
     let reference = scale(latest);
     for (age, known) in memory.iter().rev().enumerate() {
@@ -215,7 +226,7 @@ mod tests {
             fixed: 2.0,
             shadow_maps: factor * lights * (0.05 + 0.02 * texels),
             shadow_filter: factor * lights * 0.03 * texels,
-            light: factor * lights * (0.02 + 1.0 * samples),
+            light: factor * lights * (0.02 * f64::from(level.shadow_sampling) / 32.0 + 1.0 * samples),
             compose: 0.5,
         }
     }

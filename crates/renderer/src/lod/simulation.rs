@@ -12,6 +12,8 @@ struct Machine {
     /// [ms] per light, and per light and sample of the full picture.
     light: [f64; 2],
     compose: f64,
+    /// Samples at edges, over all, for each sample of the shadow buffer's side.
+    edges: f64,
     /// Lights of the scene itself, which the controller does not choose.
     own_lights: f64,
     /// Maps are this many times smaller than asked for with many lights: what wide and narrow lights do.
@@ -28,6 +30,7 @@ const MACHINE: Machine = Machine {
     filter: 0.06,
     light: [0.02, 1.2],
     compose: 0.7,
+    edges: 0.0,
     own_lights: 0.0,
     is_graded: false,
     noise: 0.0,
@@ -40,8 +43,9 @@ impl Machine {
         let lights = f64::from(level.lights) + self.own_lights;
         let grade = if self.is_graded { 1.0 / (1.0 + (lights / 40.0).floor()) } else { 1.0 };
         let texels = (f64::from(level.shadow_resolution) / 256.0).powi(2) * grade;
-        // Edges are refined: some samples stay however coarse the buffer is.
-        let samples = (1.0 / f64::from(level.shadow_sampling).powi(2)).max(0.01);
+        // Edges are refined: some samples stay however coarse the buffer is, or even more.
+        let side = f64::from(level.shadow_sampling);
+        let samples = (1.0 / (side * side)).max(0.01) + self.edges * side;
         FrameTimes {
             fixed: self.fixed,
             shadow_maps: lights * (self.maps[0] + self.maps[1] * texels),
@@ -104,8 +108,8 @@ fn machines() -> [Machine; 4] {
     [
         MACHINE,
         Machine { maps: [1.0, 0.3], filter: 1.0, light: [0.1, 20.0], fixed: 15.0, compose: 5.0, ..MACHINE },
-        Machine { light: [0.001, 0.05], maps: [0.2, 0.02], ..MACHINE },
-        Machine { is_graded: true, ..MACHINE },
+        Machine { light: [0.001, 0.05], maps: [0.2, 0.02], edges: 0.0005, ..MACHINE },
+        Machine { is_graded: true, edges: 0.001, ..MACHINE },
     ]
 }
 
