@@ -2,10 +2,11 @@
 
 use std::time::Instant;
 
-use eframe::egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
+use eframe::egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use eframe::egui_wgpu::RenderState;
 use gnomon_image::RgbImage;
-use gnomon_image::tonemap::{srgb_encode, tone_mapped};
+use gnomon_image::ldr::srgb8;
+use gnomon_image::tonemap::tone_mapped;
 use gnomon_renderer::{PassTiming, wgpu};
 use gnomon_studio::{Studio, StudioError};
 
@@ -208,10 +209,7 @@ impl Picture {
 
 /// Display-linear values as egui takes them.
 fn color_image(picture: &RgbImage) -> ColorImage {
-    let byte = |value: f32| (255.0 * srgb_encode(value)).round() as u8;
-    let pixels =
-        picture.texels().iter().map(|p| Color32::from_rgb(byte(p.x), byte(p.y), byte(p.z))).collect();
-    ColorImage::new([picture.width() as usize, picture.height() as usize], pixels)
+    ColorImage::from_rgb([picture.width() as usize, picture.height() as usize], &srgb8(picture))
 }
 
 #[cfg(test)]

@@ -247,10 +247,16 @@ impl Viewer {
     /// Changes the look; says so where that cannot be done.
     pub fn edit(&mut self, change: impl FnOnce(&mut Look)) {
         let Some(studio) = &mut self.studio else { return };
+        let clip = studio.look().animation.clip.clone();
         if let Err(error) = studio.edit(change) {
             self.notices.error(&error);
         }
         self.picture.touch();
+        let look = studio.look();
+        // A camera of its own accord frames what the clip reaches.
+        if look.camera == CameraLook::Automatic && look.animation.clip != clip {
+            self.take_view();
+        }
     }
 
     /// Goes to another debug view.

@@ -310,3 +310,24 @@ fn messages_leave_the_help_readable() {
         assert!(help.bottom() <= messages.top() && help.height() > 150.0, "{messages} {help}");
     }
 }
+
+#[test]
+fn a_clip_is_framed_and_a_drag_goes_on_from_there() {
+    let Some(model) = gnomon_testing::data_file("models/RobotExpressive.glb") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let Some(state) = render_state() else { return };
+    let mut viewer = viewer_in(folder.path());
+    let boxes = "builtin = \"three-boxes\"\nground = true";
+    let scene = SCENE.replace(boxes, &format!("file = {:?}", model.to_str().unwrap()));
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let mut app = App::over(state, &mut viewer, None);
+    let mut window = Headless::new(160.0, 120.0);
+    window.rest(&mut app);
+    let eye = |viewer: &mut Viewer| viewer.studio().unwrap().camera().unwrap().eye();
+    let at_rest = eye(app.viewer);
+    app.viewer.edit(|look| look.animation.clip = Some("Jump".to_owned()));
+    let framed = eye(app.viewer);
+    assert!(framed.distance(at_rest) > 0.1, "{framed} {at_rest}");
+    app.viewer.move_view(|_| {});
+    assert!(eye(app.viewer).distance(framed) < 1e-3, "{} {framed}", eye(app.viewer));
+}

@@ -56,7 +56,7 @@ fn animation(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look, an
     if let Some(picked) = fields.choice("clip", "clip", shown, entries) {
         let clip = labels.iter().position(|label| label == picked);
         viewer.playing = clip.is_some();
-        wanted.animation = AnimationLook { clip: clip.map(|clip| clip.to_string()), time: 0.0 };
+        wanted.animation = AnimationLook { clip: clip.map(|clip| clip_name(&names, clip)), time: 0.0 };
     }
     let Some(duration) = chosen.map(|clip| animations[clip].1) else { return };
     let is_beyond = duration > 0.0 && wanted.animation.time > duration;
@@ -70,10 +70,17 @@ fn animation(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look, an
 
 /// Names of clips for people: a clip without a name of its own goes by its number.
 fn clip_labels(names: &[&str]) -> Vec<String> {
-    let is_own = |name: &str| !name.is_empty() && names.iter().filter(|other| **other == name).count() == 1;
-    let label =
-        |(i, name): (usize, &&str)| if is_own(name) { (*name).to_owned() } else { format!("clip {i}") };
-    names.iter().enumerate().map(label).collect()
+    let label = |i| if has_own_name(names, i) { names[i].to_owned() } else { format!("clip {i}") };
+    (0..names.len()).map(label).collect()
+}
+
+/// What a look calls the clip of that number.
+fn clip_name(names: &[&str], clip: usize) -> String {
+    if has_own_name(names, clip) { names[clip].to_owned() } else { clip.to_string() }
+}
+
+fn has_own_name(names: &[&str], clip: usize) -> bool {
+    !names[clip].is_empty() && names.iter().filter(|other| **other == names[clip]).count() == 1
 }
 
 /// The clip that a look means: by its name, or else by its number.
@@ -146,5 +153,8 @@ mod tests {
         assert_eq!(clip_number(&names, "3"), Some(3));
         assert_eq!(clip_number(&names, "4"), None);
         assert_eq!(clip_number(&[], "0"), None);
+        for clip in 0..names.len() {
+            assert_eq!(clip_number(&names, &clip_name(&names, clip)), Some(clip));
+        }
     }
 }
