@@ -10,8 +10,10 @@ const DEAD_BAND: (f64, f64) = (0.92, 1.03);
 const HOLD: u32 = 8;
 /// Frames over budget before there is less detail.
 const FRAMES_OVER: u32 = 3;
-/// Frames under budget before there is more, at first and at most: doubled whenever more turned out to be too much.
+/// Frames under budget before there is more, at first and at most: doubled whenever more turned out to be too much. A frame counts
+/// once for every such share of the budget that is left below the dead band.
 const PATIENCE: (u32, u32) = (4, 512);
+const LEFT: f64 = 0.03;
 /// Frames within which less detail after more counts as that.
 const REGRET: u32 = 40;
 /// Maps and samples change only for an added error this many times smaller.
@@ -120,7 +122,8 @@ impl LodController {
         let Some(now) = self.cost.total(self.level) else { return self.level };
         let share = now / self.budget_ms;
         self.over = if share > DEAD_BAND.1 { self.over.saturating_add(1) } else { 0 };
-        self.under = if share < DEAD_BAND.0 { self.under.saturating_add(1) } else { 0 };
+        let left = ((DEAD_BAND.0 - share) / LEFT).ceil().max(0.0) as u32;
+        self.under = if left > 0 { self.under.saturating_add(left) } else { 0 };
         if self.since_change < HOLD {
             return self.level;
         }
