@@ -6,7 +6,6 @@ use std::fs;
 use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
 
 use gnomon_image::atomic;
 use serde::{Deserialize, Serialize};
@@ -167,32 +166,29 @@ impl SequenceRun {
         };
         // Only maps with keys that are no strings or numbers can fail.
         let text = serde_json::to_string_pretty(&manifest).unwrap_or_default() + "\n";
-        atomic::write::<io::Error>(&path, |file| file.write_all(text.as_bytes()))
-            .map_err(|source| StudioError::Write { path, source })
+        let write = || atomic::write::<io::Error>(&path, |file| file.write_all(text.as_bytes()));
+        let result = match write() {
+            // Another run that has just begun took the unfinished document for one that a killed run left.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => write(),
+            result => result,
+        };
+        result.map_err(|source| StudioError::Write { path, source })
     }
 
-    /// Removes what a killed run left beside the pictures that are now drawn again.
+    /// Removes what a killed run left beside the pictures that are now drawn again, and beside the document.
     fn remove_unfinished(&self) {
-        let names: HashSet<OsString> =
+        let mut names: HashSet<OsString> =
             self.missing.iter().map(|&frame| self.files.name(frame).into()).collect();
-        let manifest = self.files.manifest();
+        names.extend(self.files.manifest().file_name().map(OsStr::to_owned));
         let folder =
             if self.files.folder.as_os_str().is_empty() { Path::new(".") } else { &self.files.folder };
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            let Some(name) = atomic::unfinished_of(&entry.file_name()) else { continue };
-            // Another run may be noting a frame right now.
-            let is_left = || entry.metadata().and_then(|meta| meta.modified()).is_ok_and(is_long_ago);
-            if names.contains(&name) || manifest.file_name() == Some(&name) && is_left() {
+            if atomic::unfinished_of(&entry.file_name()).is_some_and(|name| names.contains(&name)) {
                 // What cannot be removed does no harm.
                 let _ = fs::remove_file(entry.path());
             }
         }
     }
-}
-
-/// Whether nobody can still be busy with a small file that was written then.
-fn is_long_ago(time: SystemTime) -> bool {
-    time.elapsed().is_ok_and(|age| age > Duration::from_secs(60))
 }
 
 fn others(path: &Path, what: &str) -> StudioError {
@@ -297,6 +293,23 @@ mod tests {
         SequenceRun::open(files, 0..=0, made("three"), true).unwrap();
         let error = draw(&mut first, 2).unwrap_err().to_string();
         assert!(error.contains("another sequence") && error.contains("--overwrite"), "{error}");
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [".x_###.png.sequence.json.7-0.part", ".x_001.png.7-1.part", ".mine.png.7-2.part"] {
+            fs::write(folder.path().join(name), "half").unwrap();
+        }
+        let files = FrameFiles::new(&folder.path().join("x_###.png")).unwrap();
+        SequenceRun::open(files, 0..=3, made("one"), false).unwrap();
+        let left: Vec<_> =
+            fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert!(
+            left.iter()
+                .all(|name| !name.to_str().unwrap().ends_with(".part") || *name == ".mine.png.7-2.part")
+        );
+        assert!(folder.path().join(".mine.png.7-2.part").exists());
     }
 
     #[test]
