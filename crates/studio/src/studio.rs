@@ -164,7 +164,6 @@ impl Studio {
         let was = self.look().clone();
         if let Err(error) = self.apply(look) {
             self.apply(was)?;
-            self.light_again()?;
             return Err(error);
         }
         let wanted = LightingKey::of(self.look());

@@ -113,14 +113,6 @@ impl Studio {
         Ok(work_out(LightingRequest { map, look })?.prepared)
     }
 
-    /// Lights the renderer again: one that has no room for the shadow maps of a scene's own lights is left without any.
-    pub(super) fn light_again(&mut self) -> Result<(), StudioError> {
-        if self.renderer.light_count() == 0 {
-            self.renderer.set_prepared_lighting(self.prepare_lighting()?)?;
-        }
-        Ok(())
-    }
-
     pub(super) fn request_lighting(&mut self) {
         let look = self.look().clone();
         let map = match self.lit_for.same_map(&LightingKey::of(&look)) {
@@ -170,7 +162,6 @@ impl Studio {
                 let failed = std::mem::replace(&mut self.stage, before);
                 // It was on the device before: there is no reason why it should not be again.
                 self.put_on_device(failed.look())?;
-                self.light_again()?;
             }
             result.map(|()| asked)
         });
