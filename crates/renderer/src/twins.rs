@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
 use gnomon_lights::{DistantLight, LightShape};
-use gnomon_shaders::twin::{depth_moments, hemisphere, math, resample, sample_pattern, series};
+use gnomon_shaders::twin::{depth_moments, hemisphere, math, resample, sample_pattern, series, weighted_box};
 
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
@@ -323,6 +323,16 @@ fn sample_patterns() {
         |u, _| [u, Vec4::ZERO],
         |[a, _]| sample_pattern::noise(a.truncate()).extend(0.0).extend(0.0),
     );
+}
+
+#[test]
+fn weighted_boxes() {
+    let input = |u: Vec4, v: Vec4| [(2.0 * u - 1.0).with_w(0.0), (0.01 + v).with_z(0.0).with_w(0.0)];
+    let body = "vec4f(weighted_box(a.xyz, b.xy).center, weighted_box(a.xyz, b.xy).half_extent)";
+    compare("weighted_box", body, 1e-3, input, |[a, b]| {
+        let found = weighted_box::weighted_box(a.truncate(), Vec2::new(b.x, b.y));
+        found.center.extend(found.half_extent.x).extend(found.half_extent.y)
+    });
 }
 
 #[test]

@@ -1,14 +1,16 @@
 //! Scenes whose picture is known in closed form.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
 mod common;
 
 use common::*;
-use glam::{Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
-use gnomon_lights::{FitOptions, LightSet};
+use gnomon_lights::form_factor::rectangle_form_factor;
+use gnomon_lights::{DistantLight, FitOptions, LightSet, LightShape};
 use gnomon_metrics::{penumbra, tolerances};
 use gnomon_renderer::{RenderSettings, composite, shadow};
 use gnomon_scene::{Camera, Material, Mesh, Projection, Scene};
@@ -253,5 +255,62 @@ fn nothing_between_the_models_and_the_light_is_shadowed() {
             let lost = if technique == "convolution" { tolerances::SERIES_RIPPLE } else { tolerances::UMBRA };
             assert!(least >= 1.0 - lost, "{technique}, {elevation}, {turn}: {least}");
         }
+    }
+}
+
+#[test]
+fn a_shadow_of_what_stands_near_the_horizon_costs_little_of_a_low_light() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    // On the cube face of +x the light reaches from the horizon up to 0.9, and a wall blocks what is below its middle.
+    let (wall_distance, wall_height) = (3.0, 1.35);
+    let quad_at = |x: f32, first: u32| {
+        let corner = |y, z| Vec3::new(x, y, z);
+        let corners =
+            [corner(0.0, -4.0), corner(0.0, 4.0), corner(wall_height, 4.0), corner(wall_height, -4.0)];
+        (corners, [[first, first + 1, first + 2], [first, first + 2, first + 3]])
+    };
+    let (front, back) = (quad_at(wall_distance, 0), quad_at(wall_distance + 0.2, 4));
+    let wall = Mesh {
+        positions: [front.0, back.0].concat(),
+        normals: vec![Vec3::NEG_X; 8],
+        triangles: [front.1, back.1].concat(),
+        ..Default::default()
+    };
+    let ground = horizontal(Vec2::splat(-5.0), Vec2::splat(5.0), 0.0);
+    let scene =
+        scene_of(vec![ground, wall], material(Surface { base_color: Vec3::ONE, ..Default::default() }));
+    let camera = Camera {
+        projection: Projection::Orthographic { half_width: 0.02 },
+        ..Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 1.0)
+    };
+    let above = |from: f64| {
+        let axes = [DVec3::Z, DVec3::Y, DVec3::X];
+        DistantLight::rectangle(axes, DVec2::new(-0.4, from), DVec2::new(0.4, 0.9), DVec3::ONE)
+    };
+    let light = above(0.0);
+    let form_factor = |light: &DistantLight| {
+        let LightShape::Rectangle { corners } = light.shape else { panic!("not a rectangle") };
+        rectangle_form_factor(Vec3::Y, corners)
+    };
+    let expected = form_factor(&above(f64::from(wall_height / wall_distance))) / form_factor(&light);
+    let set = LightSet::new("test", vec![light], no_light());
+    let visible = |shadows: &str| {
+        let picture = |shadows: &str| {
+            let settings = RenderSettings {
+                shadows: shadows.to_owned(),
+                compositing: "additive".to_owned(),
+                ..Default::default()
+            };
+            render(&gpu, settings, &scene, &no_light(), &set, &camera, [3, 3]).radiance.get(1, 1).x
+        };
+        picture(shadows) / picture("none")
+    };
+    for shadows in ["pcss", "convolution", "moments"] {
+        let found = visible(shadows);
+        println!("{shadows}: {found}, closed form {expected}");
+        assert!(
+            (found - expected).abs() <= tolerances::LOW_LIGHT_VISIBILITY,
+            "{shadows}: {found}, {expected}"
+        );
     }
 }

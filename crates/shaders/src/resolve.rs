@@ -68,6 +68,7 @@ const MODULES: &[(&str, &str)] = sources![
     "light_outline",
     "light_shading",
     "light_sums",
+    "lit_outline",
     "math",
     "moments",
     "outline_angle",
@@ -98,6 +99,7 @@ const MODULES: &[(&str, &str)] = sources![
     "transform",
     "types",
     "view",
+    "weighted_box",
 ];
 
 /// Every module that the renderer makes a pipeline of.

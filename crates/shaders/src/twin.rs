@@ -8,3 +8,4 @@ pub mod math;
 pub mod resample;
 pub mod sample_pattern;
 pub mod series;
+pub mod weighted_box;

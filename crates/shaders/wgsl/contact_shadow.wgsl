@@ -1,6 +1,7 @@
 #import shadow_frame
 #import receiver_plane
 #import light_outline
+#import lit_outline
 
 // Shadows of blockers near the receiver, from the depth map itself: nearer than filtered images resolve. A blocker search and
 // percentage-closer filtering (Fernando 2005) of one layer of depths, their kernels no wider than that layer's penumbra. The
@@ -20,7 +21,7 @@ struct DepthQuad {
     weights: vec4f,
 }
 
-fn depth_quad(light: u32, receiver: vec3f, gradient: vec2f, offset: vec2f) -> DepthQuad {
+fn depth_quad(light: u32, receiver: vec4f, gradient: vec2f, offset: vec2f) -> DepthQuad {
     let size = vec2f(textureDimensions(depth_maps));
     let place = (receiver.xy + offset) * size - 0.5;
     let low = floor(place);
@@ -30,7 +31,8 @@ fn depth_quad(light: u32, receiver: vec3f, gradient: vec2f, offset: vec2f) -> De
     let slope = dot(gradient, (low + 0.5) / size - receiver.xy);
     let step = gradient / size;
     // In the order of a gather: counter-clockwise from the lower left, v down.
-    let plane = receiver.z + min(slope + vec4f(step.y, step.x + step.y, step.x, 0.0), vec4f(0.0));
+    let rise = min(slope + vec4f(step.y, step.x + step.y, step.x, 0.0), vec4f(0.0));
+    let plane = min(receiver.w + rise, vec4f(receiver.z));
     let weights = vec4f((1.0 - t.x) * t.y, t.x * t.y, t.x * (1.0 - t.y), (1.0 - t.x) * (1.0 - t.y));
     return DepthQuad(plane - depths, weights);
 }
@@ -44,13 +46,14 @@ fn contact_visibility(light: u32, position_world: vec3f, normal_world: vec3f, sa
         return 1.0;
     }
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
-    let biased = vec3f(receiver.xy, receiver.z - CONTACT_DEPTH_BIAS);
+    let biased = receiver - vec4f(0.0, 0.0, CONTACT_DEPTH_BIAS, CONTACT_DEPTH_BIAS);
     // A receiver beyond the map's depths is so much farther from a blocker than the depth it is compared at.
     let beyond = receiver.w - receiver.z;
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
     let outline = light_outline(light, fract(f32(light) * vec2f(0.7548777, 0.5698403)));
 
     let search_scale = footprint_scale_uv(light, receiver.w, receiver.w - reach);
+    let cosines = outline_cosines(light, position_world, normal_world);
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0u; i < samples; i++) {
@@ -65,10 +68,14 @@ fn contact_visibility(light: u32, position_world: vec3f, normal_world: vec3f, sa
     }
     let scale = footprint_scale_uv(light, receiver.w, receiver.w - beyond - sum / count);
     var blocked = 0.0;
+    var weights = 0.0;
     for (var i = 0u; i < samples; i++) {
-        let quad = depth_quad(light, biased, gradient, scale * outline_point(outline, i, samples));
+        let point = outline_point(outline, i, samples);
+        let weight = max(dot(cosines, vec3f(1.0, point)), 0.0);
+        weights += weight;
+        let quad = depth_quad(light, biased, gradient, scale * point);
         let share = saturate((reach - beyond - quad.distances) / ((1.0 - WHOLE_REACH) * reach));
-        blocked += dot(quad.weights, select(vec4f(0.0), share, quad.distances > vec4f(0.0)));
+        blocked += weight * dot(quad.weights, select(vec4f(0.0), share, quad.distances > vec4f(0.0)));
     }
-    return 1.0 - blocked / f32(samples);
+    return 1.0 - blocked / max(weights, 1e-9);
 }

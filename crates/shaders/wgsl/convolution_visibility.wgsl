@@ -1,11 +1,12 @@
 #import shadow_frame
+#import lit_outline
 #import series
 #import contact_shadow
 
 // Convolution soft shadows (Annen et al. 2008, sections 3 and 4.1; Fig. 2) over images that are filtered in one of several ways, and
-// the depth map itself for what is too near for the series. The importer brings `Kernel`, `kernel_of(light, width)` with the width of the light's footprint as a share of the map's side per
-// unit of the light's own size, and `filtered(image, uv, layer, kernel, unblocked)`, the mean over the kernel, with
-// the value of a texel that nothing blocks.
+// the depth map itself for what is too near for the series. The importer brings `Kernel`, `kernel_of(half_extent)` with half width and
+// height of the box that it stands for, as shares of the map's side, and `filtered(image, uv, layer, kernel, unblocked)`, the
+// mean over the kernel, with the value of a texel that nothing blocks.
 
 @group(2) @binding(0) var<uniform> parameters: ConvolutionParameters;
 @group(2) @binding(1) var basis_sin: texture_2d_array<f32>;
@@ -20,41 +21,42 @@
 // Of the first kernel: less than this is blocked nowhere, up to the ringing of the series.
 const FULLY_LIT: f32 = 0.995;
 
-// Half width and height of the box with the light's variance along the map's axes, in the light's own size: a rectangle's own,
-// for a disk of radius r that of variance r^2 / 4.
-fn box_half_extent(light: u32) -> vec2f {
-    return lights[light].half_extent * select(1.0, sqrt(0.75), lights[light].shape == SHAPE_DISK);
+// A kernel and its place in the map.
+struct Lookup {
+    uv: vec2f,
+    kernel: Kernel,
 }
 
-// The kernel for a receiver of linear depth `d` where the shadow map's plane lies at the linear depth `z`.
-fn kernel_at(light: u32, d: f32, z: f32) -> Kernel {
-    return kernel_of(light, parameters.footprint_scale * footprint_scale_uv(light, d, z));
+// The lookup for a receiver at `receiver` in the map, where the shadow map's plane lies at the linear depth `z` and `outline` shines.
+fn lookup_at(light: u32, outline: WeightedBox, receiver: vec4f, z: f32) -> Lookup {
+    let scale = footprint_scale_uv(light, receiver.w, z);
+    return Lookup(receiver.xy + scale * outline.center, kernel_of(parameters.footprint_scale * scale * outline.half_extent));
 }
 
-fn filtered_lit(light: u32, uv: vec2f, d: f32, kernel: Kernel) -> f32 {
+fn filtered_lit(light: u32, lookup: Lookup, d: f32) -> f32 {
     var s = 0.5;
     for (var group = 0u; group < parameters.groups; group++) {
         let layer = light * parameters.groups + group;
         s += series_lit(
             series_phases(d, group),
-            filtered(basis_sin, uv, layer, kernel, parameters.far_sin[group]),
-            filtered(basis_cos, uv, layer, kernel, parameters.far_cos[group]),
+            filtered(basis_sin, lookup.uv, layer, lookup.kernel, parameters.far_sin[group]),
+            filtered(basis_cos, lookup.uv, layer, lookup.kernel, parameters.far_cos[group]),
             series_weights(group, parameters.order),
         );
     }
     return s;
 }
 
-// Mean depth of what is nearer than `d` under a kernel, in scaled light depth, given the filtered series `lit` of the same kernel
+// Mean depth of what is nearer than `d` under a kernel, in scaled light depth, given the filtered series `lit` of the same lookup
 // (2008, eq. 11).
-fn average_blocker_depth(light: u32, uv: vec2f, d: f32, kernel: Kernel, lit: f32) -> f32 {
-    var sum = 0.5 * filtered(linear_depth, uv, light, kernel, vec4f(SERIES_DEPTH_SCALE)).r;
+fn average_blocker_depth(light: u32, lookup: Lookup, d: f32, lit: f32) -> f32 {
+    var sum = 0.5 * filtered(linear_depth, lookup.uv, light, lookup.kernel, vec4f(SERIES_DEPTH_SCALE)).r;
     for (var group = 0u; group < parameters.groups; group++) {
         let layer = light * parameters.groups + group;
         sum += series_blocker_depth(
             series_phases(d, group),
-            filtered(basis_z_sin, uv, layer, kernel, SERIES_DEPTH_SCALE * parameters.far_sin[group]),
-            filtered(basis_z_cos, uv, layer, kernel, SERIES_DEPTH_SCALE * parameters.far_cos[group]),
+            filtered(basis_z_sin, lookup.uv, layer, lookup.kernel, SERIES_DEPTH_SCALE * parameters.far_sin[group]),
+            filtered(basis_z_cos, lookup.uv, layer, lookup.kernel, SERIES_DEPTH_SCALE * parameters.far_cos[group]),
             series_weights(group, parameters.order),
         );
     }
@@ -78,8 +80,9 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     // all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
     // less would mix the receiver's depth into the blockers'.
     let d_average = max(depth - parameters.average_bias, SERIES_LEAST_DEPTH);
-    var kernel = kernel_at(light, receiver.w, 0.0);
-    let first_lit = filtered_lit(light, receiver.xy, d_average, kernel);
+    let outline = lit_box(light, position_world, normal_world);
+    var lookup = lookup_at(light, outline, receiver, 0.0);
+    let first_lit = filtered_lit(light, lookup, d_average);
     if first_lit >= FULLY_LIT {
         return 1.0;
     }
@@ -92,16 +95,16 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     var lit_before = first_lit;
     for (var i = 0u; i < parameters.plane_iterations; i++) {
         if i > 0u {
-            lit_before = filtered_lit(light, receiver.xy, d_average, kernel);
+            lit_before = filtered_lit(light, lookup, d_average);
             if lit_before >= FULLY_LIT {
                 break;
             }
         }
-        let z_avg = average_blocker_depth(light, receiver.xy, d_average, kernel, lit_before);
+        let z_avg = average_blocker_depth(light, lookup, d_average, lit_before);
         blocker_distance = depth - z_avg;
-        kernel = kernel_at(light, receiver.w, z_avg / SERIES_DEPTH_SCALE);
+        lookup = lookup_at(light, outline, receiver, z_avg / SERIES_DEPTH_SCALE);
     }
-    let lit = filtered_lit(light, receiver.xy, max(depth - parameters.depth_bias, SERIES_LEAST_DEPTH), kernel);
+    let lit = filtered_lit(light, lookup, max(depth - parameters.depth_bias, SERIES_LEAST_DEPTH));
     let clean = suppress_ringing(lit, parameters.black_point, parameters.white_point);
     if parameters.plane_iterations == 0u {
         return clean;

@@ -27,8 +27,9 @@ fn receiver_depth_gradient(light: u32, position_world: vec3f, normal_world: vec3
     return vec2f(p.w * q.y - q.w * p.y, q.w * p.x - p.w * q.x) / determinant;
 }
 
-// Depth that a blocker `offset` uv beside a receiver of depth `d` must stay above: the tangent plane's, where it rises towards
-// the light; `d` where it falls, because no light comes from below.
-fn receiver_plane_depth(d: f32, gradient: vec2f, offset: vec2f) -> f32 {
-    return d + min(dot(gradient, offset), 0.0);
+// Depth that a blocker `offset` uv beside a receiver must stay above: the tangent plane's, where it rises towards the light; the
+// receiver's own where it falls, because no light comes from below. Of a receiver beyond the map's depths the plane
+// begins there, too: only what comes of it is brought back to them.
+fn receiver_plane_depth(receiver: vec4f, gradient: vec2f, offset: vec2f) -> f32 {
+    return min(receiver.w + min(dot(gradient, offset), 0.0), receiver.z);
 }

@@ -45,6 +45,9 @@ fn sharpen(s: f32, blocker_distance: f32, a: f32, b: f32) -> f32 {
     return pow(max(s, 0.0), 1.0 + a * exp(-b * max(blocker_distance, 0.0)));
 }
 
+// Variance of a bilinear lookup in squared texels of its level: `LOOKUP_VARIANCE` of light_frame.rs.
+const LOOKUP_VARIANCE: f32 = 5.0 / 12.0;
+
 // Mip level whose trilinear lookup has the variance of a bilinear lookup in texels of `width`. The variance of a level is four
 // times that of the level above it, and linear interpolation between levels interpolates variance linearly.
 fn level_from_width(width: f32) -> f32 {

@@ -6,8 +6,6 @@
 const MAX_TAPS: f32 = 4.0;
 // `footprint_scale` is made for bell-shaped kernels. Ringing suppression cuts less off the even slope that a row of taps gives a penumbra.
 const ROW_SCALE: f32 = 0.9;
-// Variance of a bilinear lookup in squared texels of its level: `LOOKUP_VARIANCE` of light_frame.rs.
-const LOOKUP_VARIANCE: f32 = 5.0 / 12.0;
 
 struct Kernel {
     level: f32,
@@ -16,9 +14,9 @@ struct Kernel {
     step_uv: vec2f,
 }
 
-fn kernel_of(light: u32, width: f32) -> Kernel {
+fn kernel_of(half_extent: vec2f) -> Kernel {
     // A box of half width h has the variance h^2 / 3.
-    let sides = width * parameters.resolution / sqrt(3.0 * LOOKUP_VARIANCE) * box_half_extent(light);
+    let sides = parameters.resolution / sqrt(3.0 * LOOKUP_VARIANCE) * half_extent;
     let long = max(max(ROW_SCALE * max(sides.x, sides.y), min(sides.x, sides.y)), 1.0);
     // A light longer than MAX_TAPS times its width is filtered as a wider one.
     let short = max(min(sides.x, sides.y), max(long / MAX_TAPS, 1.0));

@@ -11,9 +11,9 @@ struct Kernel {
     half_texels: vec2f,
 }
 
-fn kernel_of(light: u32, width: f32) -> Kernel {
+fn kernel_of(half_extent: vec2f) -> Kernel {
     // A box as wide as one texel is a bilinear lookup.
-    return Kernel(max(BOX_SCALE * width * parameters.resolution * box_half_extent(light), vec2f(0.5)));
+    return Kernel(max(BOX_SCALE * parameters.resolution * half_extent, vec2f(0.5)));
 }
 
 // Sum over all texels, the outermost in part, between the map's corner and `place` [texels].

@@ -1,5 +1,6 @@
 #import shadow_frame
 #import receiver_plane
+#import lit_outline
 #import depth_moments
 #import series
 
@@ -29,15 +30,18 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     }
     // A tilted receiver's own surface spreads over so much depth per unit of kernel width.
     let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position, normal_world, receiver));
-    let footprint = parameters.footprint_scale * lights[light].footprint;
+    let outline = lit_box(light, position_world, normal_world);
+    let footprint = parameters.footprint_scale * length(outline.half_extent) / sqrt(6.0 * LOOKUP_VARIANCE);
     let d = receiver.z - parameters.depth_bias;
 
-    let search_width = footprint * footprint_scale_uv(light, receiver.w, 0.0);
-    let search = filtered_blockers(light, receiver.xy, d - slope * search_width, search_width);
+    let search_scale = footprint_scale_uv(light, receiver.w, 0.0);
+    let search_width = footprint * search_scale;
+    let search = filtered_blockers(light, receiver.xy + search_scale * outline.center, d - slope * search_width, search_width);
     if search.x < FULLY_LIT {
         return 1.0;
     }
-    let width = footprint * footprint_scale_uv(light, receiver.w, min(search.y, receiver.z));
-    let shadow = filtered_blockers(light, receiver.xy, d - slope * width, width).x;
+    let scale = footprint_scale_uv(light, receiver.w, min(search.y, receiver.z));
+    let width = footprint * scale;
+    let shadow = filtered_blockers(light, receiver.xy + scale * outline.center, d - slope * width, width).x;
     return 1.0 - min(parameters.intensity_scale * shadow, 1.0);
 }

@@ -1,8 +1,10 @@
 #import shadow_frame
 #import receiver_plane
 #import light_outline
+#import lit_outline
 
-// Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline.
+// Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline, each of its points by the cosine at the
+// receiver.
 
 @group(2) @binding(0) var<uniform> parameters: PcssParameters;
 @group(2) @binding(1) var depth_maps: texture_depth_2d_array;
@@ -19,7 +21,7 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
         // The map's margin is empty, so that clamping to it finds nothing.
         let texel = clamp(vec2i((receiver.xy + offset) * vec2f(size)), vec2i(0), size - 1);
         let z = linear_from_stored_depth(light, textureLoad(depth_maps, texel, light, 0));
-        if z < receiver_plane_depth(receiver.z, gradient, offset) {
+        if z < receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias {
             sum += z;
             count += 1.0;
         }
@@ -29,12 +31,11 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
 
 fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
-    var receiver = receiver_in_light(light, position, normal_world);
+    let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
     }
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
-    receiver.z -= parameters.depth_bias;
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
     var jitter = fract(f32(light) * vec2f(0.7548777, 0.5698403));
     if parameters.rotate_per_pixel != 0u {
@@ -46,12 +47,17 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
         return 1.0;
     }
     let scale = footprint_scale_uv(light, receiver.w, blockers.x);
+    let cosines = outline_cosines(light, position_world, normal_world);
     var lit = 0.0;
+    var weights = 0.0;
     for (var i = 0u; i < parameters.filter_samples; i++) {
-        let offset = scale * outline_point(outline, i, parameters.filter_samples);
-        let d = receiver_plane_depth(receiver.z, gradient, offset);
+        let point = outline_point(outline, i, parameters.filter_samples);
+        let weight = max(dot(cosines, vec3f(1.0, point)), 0.0);
+        weights += weight;
+        let offset = scale * point;
+        let d = receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias;
         let stored = stored_from_linear_depth(light, d);
-        lit += textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, stored);
+        lit += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, stored);
     }
-    return lit / f32(parameters.filter_samples);
+    return lit / max(weights, 1e-9);
 }

@@ -291,7 +291,7 @@ fn average_blocker_depth_is_that_of_the_kernel() {
             ConvolutionSettings { order, prefilter: Prefilter::SummedAreaTable, ..Default::default() };
         let d = scale * d;
         let body = format!(
-            "vec4f(average_blocker_depth(0u, uv, {d}, kernel, filtered_lit(0u, uv, {d}, kernel)), 0.0, 0.0, 0.0)"
+            "vec4f(average_blocker_depth(0u, Lookup(uv, kernel), {d}, filtered_lit(0u, Lookup(uv, kernel), {d})), 0.0, 0.0, 0.0)"
         );
         (evaluate(&gpu, &settings, &depths, SAT_KERNEL, &body, &lookups).iter().zip(&lookups))
             .map(|(found, lookup)| (f64::from(found[0] / scale) - mean(lookup, truth_at)).abs())
