@@ -34,10 +34,19 @@ pub struct Stage {
     pub name: &'static str,
     /// Models and ground.
     pub scene: Scene,
+    /// Whether it stands on a ground, which fits take into account.
+    pub stands_on_ground: bool,
     /// The view, 4 : 3.
     pub camera: Camera,
     /// The built-in scene that was taken because no file was there.
     pub stand_in: Option<&'static str>,
+}
+
+impl Stage {
+    /// A scene that is what it claims to be.
+    pub(crate) fn new(name: &'static str, scene: Scene, camera: Camera) -> Self {
+        Self { name, stands_on_ground: scene.stands_on_ground(), scene, camera, stand_in: None }
+    }
 }
 
 /// Where something comes from: files relative to the data folder, the first that exists; else a built-in.
@@ -180,7 +189,7 @@ impl DataFolder {
             camera = filling(&scene, &camera);
         }
         scene.add_ground(ground);
-        Ok(Stage { name: source.name, scene, camera, stand_in })
+        Ok(Stage { stand_in, ..Stage::new(source.name, scene, camera) })
     }
 
     /// A picture of the scene under the environment by an independent renderer: `SCENE_ENVIRONMENT.exr` in `folder`, or one of

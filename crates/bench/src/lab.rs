@@ -181,8 +181,8 @@ impl<'a> Lab<'a> {
         without_twins(names, |name| self.stage(name), |stage| stage.stand_in)
     }
 
-    /// The lights that a fit (`FIT` or `samples:SAMPLER`) makes of an environment when asked for `count`, of which it may make fewer,
-    /// or its own choice.
+    /// The lights that a fit (`FIT` or `samples:SAMPLER`) makes of an environment for a scene when asked for `count`, of which it may
+    /// make fewer, or its own choice.
     ///
     /// # Errors
     /// An unknown fit, or one that refuses the count or the map.
@@ -190,14 +190,16 @@ impl<'a> Lab<'a> {
         &self,
         method: &str,
         count: Option<usize>,
+        stage: &Stage,
         environment: &Environment,
     ) -> Result<Rc<LightSet>, BenchError> {
-        cached(&self.fits, format!("{method} {count:?} {}", environment.name), || {
+        let ground = stage.stands_on_ground;
+        cached(&self.fits, format!("{method} {count:?} {ground} {}", environment.name), || {
             let (method, sampler) = match method.split_once(':') {
                 Some((method, sampler)) => (method, Some(fit::sampler_by_name(sampler)?)),
                 None => (method, None),
             };
-            let options = FitOptions { light_count: count, sampler, ..FitOptions::default() };
+            let options = FitOptions { light_count: count, sampler, ground, ..FitOptions::default() };
             Ok(fit::by_name(method, &options)?.fit(&environment.map)?)
         })
     }

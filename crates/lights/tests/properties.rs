@@ -19,6 +19,7 @@ fn all_fits() -> Vec<Box<dyn LightFit>> {
         FitOptions { threshold: Some(0.03), ..none },
         FitOptions { max_extent: Some(0.7), ..none },
         FitOptions { max_extent: Some(0.7), threshold: Some(0.03), ..none },
+        FitOptions { ground: true, ..none },
     ];
     let sampled = samplers().iter().map(|&sampler| FitOptions { sampler: Some(sampler), ..none });
     let options: Vec<FitOptions> = options.into_iter().chain(sampled).collect();

@@ -2,7 +2,7 @@
 
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
-use gnomon_lights::{DistantLight, LightSet, fit};
+use gnomon_lights::{DistantLight, FitOptions, LightSet, fit};
 
 use crate::RenderError;
 
@@ -73,7 +73,8 @@ impl Ambient {
         let rest = luminance(residual.flux());
         let negligible = rest <= NEGLIGIBLE * (rest + luminance(lights.iter().map(DistantLight::flux).sum()));
         let tiled = |map: &Equirect| {
-            fit::cells(map, cells, None).map_err(|error| RenderError::OutOfRange {
+            let options = FitOptions { light_count: Some(cells), ..FitOptions::default() };
+            fit::cells(map, &options).map_err(|error| RenderError::OutOfRange {
                 what: "cells of the ambient rest",
                 range: format!("what can be tiled ({error})"),
                 value: cells.to_string(),

@@ -1,5 +1,7 @@
 //! What a model needs to be looked at when its file does not say: a camera, and ground to throw its shadow on.
 
+use std::collections::BTreeMap;
+
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene, SceneError};
@@ -36,6 +38,12 @@ const GROUND_HALF_SIDE: f32 = 4.0;
 
 /// Half the side of the smallest ground [m]: its node's scale can be squared.
 const LEAST_HALF_SIDE: f32 = 1e-9;
+
+/// A surface is level whose heights differ by at most this share of its side.
+const LEVEL: f32 = 1e-4;
+
+/// Share of its height over a ground by which a model may have sunk into it and still stands on it.
+const SUNKEN: f32 = 0.15;
 
 /// Poses in which a clip is looked at: so many a second, but not fewer or more than these, and no more than make so many vertices.
 const POSES_PER_SECOND: f32 = 8.0;
@@ -76,6 +84,32 @@ impl Scene {
             reach.center().with_y(reach.min.y),
         );
         self.ground = Some(node);
+    }
+
+    /// Whether everything stands on one level surface that reaches out under all of it: a ground that was laid, or the scene's own. Models
+    /// may have sunk into it a little.
+    pub fn stands_on_ground(&self) -> bool {
+        if self.ground.is_some() {
+            return true;
+        }
+        let mut boxes: BTreeMap<usize, Bounds> = BTreeMap::new();
+        self.visit_corners(
+            |_| true,
+            |instance, p| {
+                let point = Bounds { min: p, max: p };
+                boxes.entry(instance).and_modify(|own| *own = own.union(point)).or_insert(point);
+            },
+        );
+        let bears_all = |(&ground, bounds): (&usize, &Bounds)| {
+            let (size, height) = (bounds.max - bounds.min, bounds.max.y);
+            let is_level = size.x > 0.0 && size.z > 0.0 && size.y <= LEVEL * size.max_element();
+            is_level
+                && boxes.iter().filter(|(other, _)| **other != ground).all(|(_, other)| {
+                    let within = other.min.cmpge(bounds.min) & other.max.cmple(bounds.max);
+                    within.x && within.z && other.min.y - height >= -SUNKEN * (other.max.y - height)
+                })
+        };
+        boxes.len() > 1 && boxes.iter().any(bears_all)
     }
 
     /// Box around what is to be framed: the models without the ground, or the ground where there is nothing else.
@@ -261,5 +295,28 @@ mod tests {
         let mut boxes = builtin::by_name("three-boxes").unwrap();
         boxes.add_ground(Ground::Plane);
         assert_eq!(boxes.triangle_count(), 38);
+    }
+
+    #[test]
+    fn a_scene_stands_on_what_bears_all_of_it() {
+        let with = |flat: Vec3, at: Vec3| {
+            let mut scene = scene(Vec3::ZERO, Vec3::ONE);
+            let plate = self::scene(at - 0.5 * flat, at + 0.5 * flat);
+            scene.append(plate, crate::Node::default());
+            scene.stands_on_ground()
+        };
+        assert!(!scene(Vec3::ZERO, Vec3::ONE).stands_on_ground() && !Scene::default().stands_on_ground());
+        let under = Vec3::new(0.5, 0.0, 0.5);
+        let level = Vec3::new(4.0, 0.0, 4.0);
+        assert!(with(level, under));
+        assert!(with(level, under + 0.1 * Vec3::Y), "a little sunk in");
+        assert!(!with(level, under + 0.5 * Vec3::Y), "a shelf");
+        assert!(!with(level, under + Vec3::Y), "a ceiling");
+        assert!(!with(level, under + 2.0 * Vec3::X), "the model stands half beside it");
+        assert!(!with(Vec3::new(4.0, 1.0, 4.0), under), "not level");
+        assert!(!with(Vec3::new(4.0, 4.0, 0.0), under), "a wall");
+        let mut laid = scene(Vec3::ZERO, Vec3::ONE);
+        laid.add_ground(Ground::Plane);
+        assert!(laid.stands_on_ground());
     }
 }

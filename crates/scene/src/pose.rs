@@ -209,19 +209,19 @@ impl Scene {
         vertices
     }
 
-    /// Calls `visit` with the world-space corners of every triangle of the nodes that `counts`.
-    pub(crate) fn visit_corners(&self, counts: impl Fn(NodeId) -> bool, mut visit: impl FnMut(Vec3)) {
+    /// Calls `visit` with the world-space corners of every triangle of the nodes that `counts`, each with the number of its instance.
+    pub(crate) fn visit_corners(&self, counts: impl Fn(NodeId) -> bool, mut visit: impl FnMut(usize, Vec3)) {
         let pose = self.pose();
         let placed = self.instances_in(&pose.world_from_nodes);
-        for instance in placed.iter().filter(|instance| counts(instance.node)) {
+        for (number, instance) in placed.iter().enumerate().filter(|(_, instance)| counts(instance.node)) {
             let mesh = &self.meshes[instance.mesh.0];
             let indices = mesh.triangles.iter().flatten().map(|&index| index as usize);
             if self.is_deformable(instance) {
                 let vertices = self.world_vertices(&pose, instance);
-                indices.for_each(|index| visit(vertices.positions[index]));
+                indices.for_each(|index| visit(number, vertices.positions[index]));
             } else {
                 let affine = instance.world_from_mesh;
-                indices.for_each(|index| visit(affine.transform_point3(mesh.positions[index])));
+                indices.for_each(|index| visit(number, affine.transform_point3(mesh.positions[index])));
             }
         }
     }

@@ -139,7 +139,7 @@ impl Scene {
 
     fn bounds_where(&self, counts: impl Fn(NodeId) -> bool) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;
-        self.visit_corners(counts, |p| {
+        self.visit_corners(counts, |_, p| {
             let point = Bounds { min: p, max: p };
             bounds = Some(bounds.map_or(point, |bounds| bounds.union(point)));
         });

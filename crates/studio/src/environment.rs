@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnomon_envmap::{Equirect, builtin, load};
-use gnomon_lights::{LightSet, fit};
+use gnomon_lights::{FitOptions, LightSet, fit};
 use gnomon_renderer::{PreparedLighting, RenderSettings};
 use gnomon_scene::EnvironmentSource;
 
@@ -54,15 +54,16 @@ fn no_environment(name: &str, names: &str) -> StudioError {
     ))
 }
 
-/// Lights and ambient rest of an environment.
+/// Lights and ambient rest of an environment, for a scene that stands on a `ground` or does not.
 ///
 /// # Errors
 /// Unknown fit, option out of range.
-pub fn fit_lights(fit: &FitLook, environment: &Equirect) -> Result<LightSet, StudioError> {
+pub fn fit_lights(fit: &FitLook, ground: bool, environment: &Equirect) -> Result<LightSet, StudioError> {
     if fit.method == "none" {
         return Ok(LightSet::new("none", Vec::new(), environment.clone()));
     }
-    Ok(fit::by_name(&fit.method, &fit.options()?)?.fit(environment)?)
+    let options = FitOptions { ground, ..fit.options()? };
+    Ok(fit::by_name(&fit.method, &options)?.fit(environment)?)
 }
 
 /// An environment, or where to get it.
@@ -76,6 +77,8 @@ pub(crate) struct LightingRequest {
     pub map: MapSource,
     /// Environment, fit and the treatment of the ambient rest count.
     pub look: Look,
+    /// Whether the scene stands on one.
+    pub ground: bool,
 }
 
 /// An environment ready for a renderer.
@@ -86,11 +89,12 @@ pub(crate) struct LightingResult {
     pub warnings: Vec<String>,
     /// What it was made for.
     pub look: Look,
+    pub ground: bool,
 }
 
 /// Reads where that is needed, fits and filters.
 pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, StudioError> {
-    let LightingRequest { map, look } = request;
+    let LightingRequest { map, look, ground } = request;
     let (map, warnings) = match map {
         MapSource::Loaded(map) => (map, Vec::new()),
         MapSource::Unread => {
@@ -98,18 +102,18 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
             (Arc::new(map), warnings)
         }
     };
-    let lights = fit_lights(&look.fit, &map)?;
+    let lights = fit_lights(&look.fit, ground, &map)?;
     let settings = RenderSettings {
         ambient: look.render.ambient.clone(),
         ambient_cells: look.render.ambient_cells,
         ..RenderSettings::default()
     };
     let prepared = PreparedLighting::new(&map, &lights, &settings)?;
-    Ok(LightingResult { map, lights, prepared, warnings, look })
+    Ok(LightingResult { map, lights, prepared, warnings, look, ground })
 }
 
 /// The lighting of a stage.
 pub(crate) fn work_out_stage(stage: &Stage) -> Result<LightingResult, StudioError> {
     let map = MapSource::Loaded(Arc::clone(stage.environment()));
-    work_out(LightingRequest { map, look: stage.look().clone() })
+    work_out(LightingRequest { map, look: stage.look().clone(), ground: stage.stands_on_ground() })
 }

@@ -78,7 +78,7 @@ impl Default for FitLook {
 }
 
 impl FitLook {
-    /// What the fits take.
+    /// What the fits take, for a scene without a ground.
     ///
     /// # Errors
     /// [`StudioError::Fit`] for a sampler that does not exist.
@@ -89,6 +89,7 @@ impl FitLook {
             max_extent: self.max_extent.map(f32::to_radians),
             sampler: self.sampler.as_deref().map(sampler_by_name).transpose()?,
             seed: self.seed,
+            ground: false,
         })
     }
 

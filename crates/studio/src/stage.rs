@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
+use gnomon_lights::FitOptions;
 use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, ReflectanceSettings, Scene, camera_around};
 
 use crate::environment::load_environment;
@@ -21,6 +22,8 @@ pub struct Stage {
     /// Box around the models, over the look's clip where it has one: what ground and automatic camera are for. It does not depend on the
     /// time, so that they stay while a clip plays.
     reach: Option<Bounds>,
+    /// At rest.
+    stands_on_ground: bool,
     environment: Arc<Equirect>,
     /// Its suitable exposure [stops].
     automatic_exposure: f32,
@@ -126,10 +129,21 @@ impl Stage {
         let bare = Bare::of(&scene, look.display.aspect());
         let reach = reach(&mut scene, &look.animation)?;
         dress(&mut scene, &look, reach)?;
+        let stands_on_ground = scene.stands_on_ground();
         pose(&mut scene, &look.animation)?;
         let automatic_exposure = environment.suitable_exposure();
         let scene = Arc::new(scene);
-        let mut stage = Self { source, look, scene, bare, reach, environment, automatic_exposure, warnings };
+        let mut stage = Self {
+            source,
+            look,
+            scene,
+            bare,
+            reach,
+            stands_on_ground,
+            environment,
+            automatic_exposure,
+            warnings,
+        };
         stage.warn_of_dress();
         check_rotation(&stage.look)?;
         stage.camera()?;
@@ -139,6 +153,19 @@ impl Stage {
     /// The scene as it is drawn.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// Whether the scene at rest stands on a ground ([`Scene::stands_on_ground`]): fits then spend few lights on what is below it.
+    pub fn stands_on_ground(&self) -> bool {
+        self.stands_on_ground
+    }
+
+    /// What the look's fit takes for this scene.
+    ///
+    /// # Errors
+    /// As [`crate::FitLook::options`].
+    pub fn fit_options(&self) -> Result<FitOptions, StudioError> {
+        Ok(FitOptions { ground: self.stands_on_ground, ..self.look.fit.options()? })
     }
 
     /// The environment as it is drawn, but for its turn.
@@ -264,6 +291,7 @@ impl Stage {
                 self.reach = reach(scene, &self.look.animation)?;
             }
             dress(scene, &self.look, self.reach)?;
+            self.stands_on_ground = scene.stands_on_ground();
         }
         if change.dressed || change.moved {
             pose(Arc::make_mut(&mut self.scene), &self.look.animation)?;

@@ -48,16 +48,19 @@ pub struct Studio {
 struct LightingKey {
     environment: EnvironmentLook,
     fit: FitLook,
+    /// Whether the scene stands on one.
+    ground: bool,
     ambient: String,
     ambient_cells: usize,
 }
 
 impl LightingKey {
-    fn of(look: &Look) -> Self {
+    fn of(look: &Look, ground: bool) -> Self {
         Self {
             // Turning needs no new lights.
             environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
             fit: look.fit.clone(),
+            ground,
             ambient: look.render.ambient.clone(),
             ambient_cells: look.render.ambient_cells,
         }
@@ -100,7 +103,7 @@ impl Studio {
         renderer.set_environment_rotation(stage.world_from_environment())?;
         renderer.set_prepared_lighting(prepared)?;
         Ok(Self {
-            lit_for: LightingKey::of(stage.look()),
+            lit_for: LightingKey::of(stage.look(), stage.stands_on_ground()),
             stage,
             renderer,
             lights: Arc::new(lights),
@@ -161,16 +164,19 @@ impl Studio {
     /// # Errors
     /// What can be told at once: names of nothing, settings out of range, shadow maps beyond the memory. The look is then what it was.
     pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
-        let was = self.look().clone();
+        let (was, lit_for) = (self.look().clone(), self.wanted_lighting());
         if let Err(error) = self.apply(look) {
             self.apply(was)?;
             return Err(error);
         }
-        let wanted = LightingKey::of(self.look());
-        if wanted != LightingKey::of(&was) {
+        if self.wanted_lighting() != lit_for {
             self.request_lighting();
         }
         Ok(())
+    }
+
+    fn wanted_lighting(&self) -> LightingKey {
+        LightingKey::of(self.look(), self.stage.stands_on_ground())
     }
 
     /// Everything of a look but what threads are for.

@@ -105,6 +105,35 @@ fn a_look_set_live_gives_the_picture_of_one_opened_with_it() {
 }
 
 #[test]
+fn a_ground_laid_or_taken_away_live_has_lights_fitted_for_it() {
+    let Some(gpu) = gpu() else { return };
+    let bare = |look: &Look| {
+        let mut project = project(look);
+        // Without the ground of its own.
+        project.scene.ground = None;
+        project
+            .scene
+            .nodes
+            .iter_mut()
+            .filter(|node| node.name == "ground")
+            .for_each(|node| node.meshes.clear());
+        Stage::new(project).unwrap()
+    };
+    let mut look = base();
+    look.fit.light_count = Some(40);
+    let mut live = Studio::new(&gpu, bare(&look)).unwrap();
+    for ground in [Ground::None, Ground::Plane, Ground::None] {
+        live.edit(|look| look.ground = ground).unwrap();
+        live.wait();
+        look.ground = ground;
+        let mut opened = Studio::new(&gpu, bare(&look)).unwrap();
+        assert_eq!(live.stage().stands_on_ground(), ground == Ground::Plane);
+        assert_eq!(live.lights().parameters["ground"], ground == Ground::Plane);
+        assert!(picture(&mut live) == picture(&mut opened), "{ground:?}: the live picture is another");
+    }
+}
+
+#[test]
 fn what_cannot_be_leaves_everything_as_it_was() {
     let Some(gpu) = gpu() else { return };
     let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();

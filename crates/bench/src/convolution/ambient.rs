@@ -79,7 +79,7 @@ fn subject(
     sheet: &mut ContactSheet,
 ) -> Result<Subject, BenchError> {
     let truth = lab.truth(stage, environment, size, lab.pick(2, 256, 1024))?;
-    let lights = lab.lights("disks", None, environment)?;
+    let lights = lab.lights("disks", None, stage, environment)?;
     let setup = Setup { stage, map: &environment.map, lights: &lights, size };
     let mut drawn = Vec::new();
     for (_, ambient, cells) in WAYS {

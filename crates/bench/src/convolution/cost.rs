@@ -102,7 +102,7 @@ impl Experiment for Cost {
             lab.tell(&format!("cost: {resolution} texels, {count} lights"), 0.1 + 0.9 * step as f32 / steps);
             // A partition needs more lights than one.
             let method = if count < LEAST_PARTITION { "disks" } else { "partition" };
-            let lights = lab.lights(method, Some(count), &environment)?;
+            let lights = lab.lights(method, Some(count), &stage, &environment)?;
             // What a disk leaves over is ambient: with cells there would be more maps than lights asked for.
             let frame = RenderSettings { ambient: "unshadowed".to_owned(), ..uniform_maps(resolution) };
             let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };

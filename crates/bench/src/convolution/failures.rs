@@ -121,7 +121,7 @@ fn under_a_lamp(name: &'static str, plates: &[Plate], half_side: f32) -> Stage {
     }
     add_light(&mut scene, square_lamp(Vec3::ZERO, Vec3::Y, 4.0, half_side));
     let camera = Camera::look_at(Vec3::new(2.1, 2.5, 3.3), Vec3::new(0.1, 0.55, 0.0), 40_f32.to_radians());
-    Stage { name, scene, camera, stand_in: None }
+    Stage::new(name, scene, camera)
 }
 
 impl Plate {
@@ -149,7 +149,7 @@ impl Plate {
 fn three_boxes() -> Result<Stage, BenchError> {
     let scene = builtin::by_name("three-boxes")?;
     let camera = Camera::look_at(Vec3::new(3.2, 2.6, 4.2), Vec3::new(0.0, 0.5, 0.0), 45_f32.to_radians());
-    Ok(Stage { name: "huge light", scene, camera, stand_in: None })
+    Ok(Stage::new("huge light", scene, camera))
 }
 
 /// One square of 90 degrees, high on the left; irradiance across its axis is near pi.

@@ -122,7 +122,7 @@ fn counts(
         lab.tell(&format!("lights: {name}, {count}"), start + share * step as f32 / counts.len() as f32);
         let mut sets = Vec::new();
         for fit in FITS {
-            sets.push(lab.lights(fit, Some(count), &scenery.environment)?);
+            sets.push(lab.lights(fit, Some(count), &scenery.stage, &scenery.environment)?);
         }
         let mut drawn = Vec::new();
         for set in &sets {
@@ -181,7 +181,7 @@ fn many_hard_maps(
 ) -> Result<(), BenchError> {
     let hard: &[usize] = lab.pick(&[7], &[500], &[100, 500, 1000]);
     let truth = &scenery.truth.picture;
-    let soft = lab.lights("partition", Some(lab.pick(6, 30, 30)), &scenery.environment)?;
+    let soft = lab.lights("partition", Some(lab.pick(6, 30, 30)), &scenery.stage, &scenery.environment)?;
     let mut soft_variants = Variant::prefilters(4);
     soft_variants.push(Variant::technique("pcss"));
     let soft_variants = soft_variants.into_iter();
@@ -191,7 +191,7 @@ fn many_hard_maps(
         .chain(soft_variants.map(|variant| (variant, Rc::clone(&soft), 1)))
         .collect();
     for &count in hard {
-        let points = lab.lights("samples", Some(count), &scenery.environment)?;
+        let points = lab.lights("samples", Some(count), &scenery.stage, &scenery.environment)?;
         for sampling in [1, COARSE_SAMPLING] {
             rivals_of.push((Variant::technique("hard"), Rc::clone(&points), sampling));
         }

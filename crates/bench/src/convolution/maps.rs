@@ -166,7 +166,7 @@ impl Scenery<'_, '_> {
         let mut sheet_row = None;
         let mut least = f64::INFINITY;
         for way in ways {
-            let lights = self.lab.lights(way.fit, Some(way.asked_for()), self.environment)?;
+            let lights = self.lab.lights(way.fit, Some(way.asked_for()), self.stage, self.environment)?;
             let found = lights.lights.len();
             let setup =
                 Setup { stage: self.stage, map: &self.environment.map, lights: &lights, size: self.size };

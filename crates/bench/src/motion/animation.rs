@@ -111,7 +111,6 @@ impl Experiment for Animation {
         let environment = lab.environment("galileo")?;
         let size = lab.pick([32, 24], [320, 240], [1280, 960]);
         let resolution = lab.pick(16, RESOLUTION, RESOLUTION);
-        let lights = lab.lights("partition", Some(lab.pick(6, LIGHTS, LIGHTS)), &environment)?;
         let settings = RenderSettings {
             shadow_sizing: ShadowSizing::Uniform,
             shadow_resolution: resolution,
@@ -148,6 +147,7 @@ impl Experiment for Animation {
             let file = lab.stage(name)?;
             let stage = dancing(&file, clip)?;
             files.push(file);
+            let lights = lab.lights("partition", Some(lab.pick(6, LIGHTS, LIGHTS)), &stage, &environment)?;
             let truth = lab.truth(&stage, &environment, size, lab.pick(2, 32, 64))?;
             let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };
             let picture = TimedRenderer::new(lab, settings.clone(), setup)?.picture()?;

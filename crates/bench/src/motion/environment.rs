@@ -78,7 +78,7 @@ fn turns_table() -> Table {
 
 fn turns(lab: &Lab<'_>, name: &str) -> Result<Vec<Cell>, BenchError> {
     let (environment, stage) = (lab.environment(name)?, lab.stage("three_boxes")?);
-    let lights = lab.lights(FIT, Some(lab.pick(6, 30, 60)), &environment)?;
+    let lights = lab.lights(FIT, Some(lab.pick(6, 30, 60)), &stage, &environment)?;
     let [width, height] = lab.pick([32, 24], [320, 240], [640, 480]);
     let mut renderer = Renderer::new(lab.gpu(), settings(lab))?;
     renderer.set_scene(&stage.scene)?;
@@ -134,7 +134,7 @@ fn changes(lab: &Lab<'_>, name: &str) -> Result<Vec<Cell>, BenchError> {
     let settings = settings(lab);
     let mut renderer = Renderer::new(lab.gpu(), settings.clone())?;
     renderer.set_scene(&stage.scene)?;
-    renderer.set_lighting(&environment.map, &*lab.lights(FIT, None, &environment)?)?;
+    renderer.set_lighting(&environment.map, &*lab.lights(FIT, None, &stage, &environment)?)?;
     renderer.draw(&stage.camera, width, height)?;
 
     let start = Instant::now();

@@ -208,7 +208,8 @@ fn measure(
     let truth = &pair.truth.picture;
     let mut best: Option<(f64, Vec<Panel>)> = None;
     for result in results.iter_mut().filter(|result| result.is_in) {
-        let lights = lab.lights(result.choice.fit, Some(result.choice.asked_for()), &pair.environment)?;
+        let lights =
+            lab.lights(result.choice.fit, Some(result.choice.asked_for()), &pair.stage, &pair.environment)?;
         let setup =
             Setup { stage: &pair.stage, map: &pair.environment.map, lights: &lights, size: pair.size };
         let settings = result.choice.settings(frame, lights.lights.len());
@@ -252,7 +253,12 @@ fn time(
     for results in worthwhile.chunks_mut(8) {
         let mut sets = Vec::new();
         for result in results.iter() {
-            sets.push(lab.lights(result.choice.fit, Some(result.choice.asked_for()), &pair.environment)?);
+            sets.push(lab.lights(
+                result.choice.fit,
+                Some(result.choice.asked_for()),
+                &pair.stage,
+                &pair.environment,
+            )?);
         }
         let mut drawn = Vec::new();
         for (result, lights) in results.iter().zip(&sets) {

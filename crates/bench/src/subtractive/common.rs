@@ -198,7 +198,7 @@ fn models(
     if let Some(ground) = stage.scene.ground.and_then(|ground| stage.scene.nodes.get_mut(ground.0)) {
         ground.meshes.clear();
     }
-    let lights = lab.lights("samples", Some(1), environment)?;
+    let lights = lab.lights("samples", Some(1), &stage, environment)?;
     let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };
     let unshadowed =
         RenderSettings { shadows: "none".to_owned(), background: false, ..RenderSettings::default() };

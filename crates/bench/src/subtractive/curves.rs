@@ -123,7 +123,7 @@ impl Measured {
         let mut sheet = ContactSheet::new(format!("{}_{}", subject.case.stage, family.technique), title, 5);
         sheet.enlargement = lab.pick(1, 2, 1);
         for &count in counts {
-            let lights = lab.lights(family.fit, Some(count), &subject.environment)?;
+            let lights = lab.lights(family.fit, Some(count), &subject.stage, &subject.environment)?;
             let mut drawn = Vec::new();
             for rule in RULES {
                 let settings = settings(&frame(lab), family, rule.name, rule.sampling);

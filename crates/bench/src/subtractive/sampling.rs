@@ -87,7 +87,7 @@ fn measure(
     samplings: &[u32],
     sheet: &mut ContactSheet,
 ) -> Result<Subsampled, BenchError> {
-    let lights = lab.lights(family.fit, Some(count), &subject.environment)?;
+    let lights = lab.lights(family.fit, Some(count), &subject.stage, &subject.environment)?;
     let setup = subject.setup(&lights);
     let stops = subject.environment.map.suitable_exposure() - 1.0;
     sheet.banner = Some(shown(&subject.truth.picture, stops));

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gnomon::lights::{fit, preview};
+use gnomon::lights::{FitOptions, fit, preview};
 use gnomon::studio::FitLook;
 
 use crate::error::CliError;
@@ -28,6 +28,10 @@ pub struct DecomposeArgs {
 
     #[command(flatten)]
     fit: FitArgs,
+
+    /// For scenes that stand on a ground, which little light from below reaches: the partition spends few of its lights there
+    #[arg(long)]
+    above_ground: bool,
 
     /// Layout of the map, where its shape does not tell: equirect, vertical-cross, ...
     #[arg(long, value_name = "NAME", value_parser = projection)]
@@ -69,7 +73,8 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     }
     let mut asked = FitLook::default();
     args.fit.apply(&mut asked);
-    let method = fit::by_name(&args.method, &asked.options()?)?;
+    let options = FitOptions { ground: args.above_ground, ..asked.options()? };
+    let method = fit::by_name(&args.method, &options)?;
     let spinner = terminal.spinner("fitting");
     let environment = load_environment(&args.environment, args.projection, args.env_rotation, terminal)?;
     let lights = method.fit(&environment)?;

@@ -47,7 +47,7 @@ pub struct Settled {
 /// No adapter, a fit without lights, a scene beyond the adapter's limits.
 pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result<Settled, CliError> {
     let look = stage.look();
-    let (method, options) = (&look.fit.method, look.fit.options()?);
+    let (method, options) = (&look.fit.method, stage.fit_options()?);
     // A threshold of the scene file would decide the number of lights.
     let options = FitOptions { threshold: None, ..options };
     let settings = look.settings(stage.exposure())?;

@@ -18,45 +18,52 @@ const QUARTERS_FROM: usize = 30;
 const BLACK: f64 = 1e-12;
 /// Least half width of a light in texels: the sun's.
 const LEAST_HALF_WIDTH: f64 = 0.125;
-/// Weight of a light's extent in its [`Face::cost`]: little against structure, enough to divide what has none.
-const EXTENT_WEIGHT: f64 = 1e-3;
+/// Weight of a light's extent in its [`Face::cost`]: shadows of wide lights are the least exact.
+const EXTENT_WEIGHT: f64 = 0.03;
+/// Least number of lights from which a ground's horizon divides the faces that it crosses.
+const HORIZON_FROM: usize = 10;
+/// Above a ground, what lies below its horizon costs so much of what it would cost elsewhere: some of it shines past the ground's edge.
+const BELOW_GROUND: f64 = 0.2;
+/// The cube face that looks down; the horizon halves the four between it and its opposite.
+const DOWN: usize = 3;
+const UP: usize = 2;
 
-/// Divides a map, as the residual of a fit, into `count` lights (6 to [`super::MAX_LIGHTS`]) that together hold exactly its
-/// flux: fewer only where the map has too few texels that are not black.
+/// Number of lights unless told otherwise.
+pub(super) const LIGHT_COUNT: usize = 60;
+
+/// Divides a map, as the residual of a fit, into `light_count` lights (6 to [`super::MAX_LIGHTS`], 60 where the options have none)
+/// that together hold exactly its flux: fewer only where the map has too few texels that are not black.
 ///
 /// A cell is a rectangle on a cube face; its light has its flux and colour, and the centre and spread of its light:
 /// within the cell, it is as far from the cell's middle and as wide, along each axis, as makes mean and variance of its
 /// directions those of the cell's luminance. The cell whose light misplaces most flux is cut next, by the straight cut
-/// that leaves least of it. From 30 lights on, none is wider or higher than an eighth of a turn. `max_extent` \[rad\] bounds the
-/// angular length of every light's sides, if need be with more lights than asked for.
+/// that leaves least of it. From 30 lights on, none is wider or higher than an eighth of a turn, but for those below a ground.
+/// `max_extent` \[rad\] bounds the angular length of every light's sides, if need be with more lights than asked for.
 ///
 /// # Errors
-/// A count or an extent out of range, a map without texels or with some that are no radiance.
-pub fn cells(map: &Equirect, count: usize, max_extent: Option<f32>) -> Result<Vec<DistantLight>, FitError> {
-    let options = FitOptions { light_count: Some(count), max_extent, ..FitOptions::default() };
-    options.validate()?;
-    options.validate_tiling("partition")?;
+/// A count or an extent out of range, a threshold or sampler, a map without texels or with some that are no radiance.
+pub fn cells(map: &Equirect, options: &FitOptions) -> Result<Vec<DistantLight>, FitError> {
+    check(options)?;
     check_map(map)?;
+    let count = options.light_count.unwrap_or(LIGHT_COUNT);
     let faces = Faces::new(map, FACE_SIZE);
     let tables: Vec<Face> = (0..6).map(|face| Face::new(&faces, face)).collect();
     let black =
         BLACK * tables.iter().map(|face| face.moments(TexelRect::face(FACE_SIZE)).light[0]).sum::<f64>();
-    let max_extent = max_extent.map_or(f64::INFINITY, f64::from);
+    let max_extent = options.max_extent.map_or(f64::INFINITY, f64::from);
     let planned = |face: usize, rect: TexelRect| {
         let is_lit = tables[face].moments(rect).light[0] > black;
         is_lit.then(|| {
             let is_wide = faces.extent(rect).into_iter().any(|angle| angle > max_extent);
-            let cost = if is_wide { f64::INFINITY } else { tables[face].cost(rect) };
+            let weight = if options.ground && is_below_horizon(face, rect) { BELOW_GROUND } else { 1.0 };
+            let cost = if is_wide { f64::INFINITY } else { weight * tables[face].cost(rect) };
             Cell { cost, face, rect }
         })
     };
-    let mut open: BinaryHeap<Cell> = BinaryHeap::new();
-    let parts = if count < QUARTERS_FROM { 1 } else { 2 };
-    let edge = |part: usize| part * FACE_SIZE / parts;
-    for (face, x, y) in (0..6).flat_map(|face| (0..parts * parts).map(move |i| (face, i % parts, i / parts)))
-    {
-        open.extend(planned(face, TexelRect { min: [edge(x), edge(y)], max: [edge(x + 1), edge(y + 1)] }));
-    }
+    let mut open: BinaryHeap<Cell> = first_cells(count, options.ground)
+        .into_iter()
+        .filter_map(|(face, rect)| planned(face, rect))
+        .collect();
     let mut done = Vec::new();
     while let Some(cell) = open.pop() {
         if done.len() + open.len() + 1 >= count && cell.cost.is_finite() {
@@ -76,6 +83,52 @@ pub fn cells(map: &Equirect, count: usize, max_extent: Option<f32>) -> Result<Ve
         Faces::light_between(cell.face, min, max, faces.rect_flux(cell.face, cell.rect))
     };
     Ok(done.iter().map(light).collect())
+}
+
+/// Whether a map can be divided so.
+pub(super) fn check(options: &FitOptions) -> Result<(), FitError> {
+    options.validate()?;
+    options.validate_tiling("partition")?;
+    options.refuse_threshold("partition")?;
+    options.refuse_sampler("partition")
+}
+
+/// Whether all of a cell lies below the horizon.
+fn is_below_horizon(face: usize, rect: TexelRect) -> bool {
+    face == DOWN || (face != UP && rect.min[1] >= FACE_SIZE / 2)
+}
+
+/// What the division starts from, and which face it is on.
+fn first_cells(count: usize, ground: bool) -> Vec<(usize, TexelRect)> {
+    let parts = if count < QUARTERS_FROM { 1 } else { 2 };
+    let divided = |face: usize, whole: TexelRect, [columns, rows]: [usize; 2]| {
+        let edge = |axis: usize, part: usize, parts: usize| {
+            whole.min[axis] + part * (whole.max[axis] - whole.min[axis]) / parts
+        };
+        (0..columns * rows)
+            .map(|i| {
+                let (x, y) = (i % columns, i / columns);
+                let rect = TexelRect {
+                    min: [edge(0, x, columns), edge(1, y, rows)],
+                    max: [edge(0, x + 1, columns), edge(1, y + 1, rows)],
+                };
+                (face, rect)
+            })
+            .collect::<Vec<_>>()
+    };
+    let whole = TexelRect::face(FACE_SIZE);
+    (0..6)
+        .flat_map(|face| {
+            if !ground || count < HORIZON_FROM || face == UP {
+                return divided(face, whole, [parts, parts]);
+            }
+            if face == DOWN {
+                return divided(face, whole, [1, 1]);
+            }
+            let [above, below] = whole.split(1, FACE_SIZE / 2);
+            [divided(face, above, [parts, 1]), divided(face, below, [1, 1])].concat()
+        })
+        .collect()
 }
 
 /// A part of a face that becomes one light. Cells are ordered by cost, equal ones by place: the first comes first.
@@ -231,6 +284,27 @@ mod tests {
         Equirect::new(RgbImage::from_fn(256, 128, f))
     }
 
+    fn asked(count: usize) -> FitOptions {
+        FitOptions { light_count: Some(count), ..FitOptions::default() }
+    }
+
+    #[test]
+    fn above_a_ground_most_lights_are_above_its_horizon() {
+        let map = map(|x, y| Vec3::new(1.0, 0.5 + 0.4 * (x % 7) as f32, 0.3 + 0.2 * (y % 5) as f32));
+        for count in [6, 9, 10, 17, 30, 60, 200] {
+            let below = |ground: bool| {
+                let lights = cells(&map, &FitOptions { ground, ..asked(count) }).unwrap();
+                assert_eq!(lights.len(), count);
+                let flux: DVec3 = lights.iter().map(DistantLight::flux).sum();
+                assert!((flux - map.flux()).abs().max_element() < 1e-4 * map.flux().max_element());
+                lights.iter().filter(|light| light.direction.y < -1e-3).count()
+            };
+            let (without, with) = (below(false), below(true));
+            assert!(count < 30 || with < without, "{count}: {with} instead of {without}");
+            assert!(with > 0, "{count}");
+        }
+    }
+
     /// Longest side [rad].
     fn widest(lights: &[DistantLight]) -> f32 {
         let side = |light: &DistantLight| match light.shape {
@@ -246,7 +320,7 @@ mod tests {
     fn lights_of_a_uniform_map_tile_the_sphere_at_any_count() {
         let map = map(|_, _| Vec3::new(1.0, 0.5, 2.0));
         for count in [6, 17, 30, 60, 200] {
-            let lights = cells(&map, count, None).unwrap();
+            let lights = cells(&map, &asked(count)).unwrap();
             assert_eq!(lights.len(), count);
             let covered: f32 = lights.iter().map(|light| light.solid_angle).sum();
             assert!((covered - 4.0 * PI).abs() < 1e-3, "{count}: {covered}");
@@ -263,7 +337,7 @@ mod tests {
         let (column, row) = (70, 37);
         let map = map(|x, y| Vec3::splat(if (x, y) == (column, row) { 1e5 } else { 1.0 }));
         let towards = map.texel_direction(column, row);
-        let lights = cells(&map, 60, None).unwrap();
+        let lights = cells(&map, &asked(60)).unwrap();
         let sun: Vec<_> =
             lights.iter().filter(|light| light.direction.angle_between(towards) < TAU / 128.0).collect();
         let flux: f64 = sun.iter().map(|light| light.flux().x).sum();
@@ -272,7 +346,9 @@ mod tests {
         let texel = map.texel_solid_angle(row);
         assert!((0.99..1.01).contains(&(flux / (1e5 * texel))), "{}", flux / texel);
         assert!((0.7..1.4).contains(&(solid_angle / texel)), "{}", solid_angle / texel);
-        assert!(centre.as_vec3().angle_between(towards) < 0.1 * TAU / 256.0, "{centre}");
+        let off = centre.as_vec3().angle_between(towards) / (TAU / 256.0);
+        // The map's texel is as wide as one of the face's: its place within them is not known better.
+        assert!(off < 0.25, "{off} of a texel");
         assert!(sun.len() <= 4, "{}", sun.len());
     }
 
@@ -281,7 +357,7 @@ mod tests {
     fn the_centre_of_all_light_stays_where_it_is() {
         let map =
             map(|x, y| Vec3::splat(0.1 + ((x * 7 + y * 13) % 11) as f32 + if y < 30 { 20.0 } else { 0.0 }));
-        let lights = cells(&map, 60, None).unwrap();
+        let lights = cells(&map, &asked(60)).unwrap();
         let mut expected = DVec3::ZERO;
         for (x, y) in (0..128).flat_map(|y| (0..256).map(move |x| (x, y))) {
             let texel = f64::from(map.radiance().get(x, y).x) * map.texel_solid_angle(y);
@@ -295,7 +371,7 @@ mod tests {
     fn a_largest_extent_overrules_the_count() {
         let map = map(|x, _| Vec3::splat(1.0 + (x % 5) as f32));
         for extent in [0.9_f32, 0.4] {
-            let lights = cells(&map, 6, Some(extent)).unwrap();
+            let lights = cells(&map, &FitOptions { max_extent: Some(extent), ..asked(6) }).unwrap();
             assert!(widest(&lights) <= extent + 1e-5, "{}", widest(&lights));
             assert!(lights.len() > 6);
         }
@@ -304,12 +380,12 @@ mod tests {
     #[test]
     fn black_parts_get_no_light_and_counts_are_met_without_them() {
         let half = map(|x, _| Vec3::splat(if x < 128 { 1.0 } else { 0.0 }));
-        let lights = cells(&half, 40, None).unwrap();
+        let lights = cells(&half, &asked(40)).unwrap();
         assert_eq!(lights.len(), 40);
         assert!(lights.iter().all(|light| light.direction.x > -0.1));
-        assert!(cells(&map(|_, _| Vec3::ZERO), 40, None).unwrap().is_empty());
+        assert!(cells(&map(|_, _| Vec3::ZERO), &asked(40)).unwrap().is_empty());
         for wrong in [0, 5, super::super::MAX_LIGHTS + 1] {
-            assert!(cells(&half, wrong, None).is_err(), "{wrong}");
+            assert!(cells(&half, &asked(wrong)).is_err(), "{wrong}");
         }
     }
 }

@@ -22,6 +22,9 @@ pub struct FitOptions {
     pub sampler: Option<Sampler>,
     /// Seed of what is random: a stratified sampler. The same seed gives the same lights.
     pub seed: u64,
+    /// The scene stands on a ground, so that little light arrives from below the horizon (-y). A partition then spends few of its
+    /// lights there; other fits take lights where there is light.
+    pub ground: bool,
 }
 
 /// Where a fit stops that has a threshold.

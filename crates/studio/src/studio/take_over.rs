@@ -29,7 +29,7 @@ impl SceneRequest {
     pub fn work_out(self) -> Result<LoadedStage, StudioError> {
         let asked_for = self.look.clone();
         let project = Project::open_source(self.source, self.look, None)?;
-        let stage = match self.lit_for.same_map(&LightingKey::of(&project.look)) {
+        let stage = match self.lit_for.same_map(&LightingKey::of(&project.look, false)) {
             true => Stage::under(project, self.environment, Vec::new())?,
             false => Stage::new(project)?,
         };
@@ -54,12 +54,12 @@ impl Studio {
     /// called every frame. One map is worked on at a time and those that come meanwhile replace each other, so that lights lag behind by
     /// as long as a fit takes and none is shown that was not asked for. The look keeps the name of the file before it.
     pub fn stream_environment(&mut self, map: Arc<Equirect>) {
-        self.lighting.request(LightingRequest { map: MapSource::Loaded(map), look: self.look().clone() });
+        self.request_lighting_by(MapSource::Loaded(map));
     }
 
     /// Reads the look's environment anew on a thread: after its file has changed, or to end a stream.
     pub fn reload_environment(&mut self) {
-        self.lighting.request(LightingRequest { map: MapSource::Unread, look: self.look().clone() });
+        self.request_lighting_by(MapSource::Unread);
     }
 
     /// Whether a thread is busy with lights or a scene.
@@ -110,16 +110,19 @@ impl Studio {
         let mut look = self.look().clone();
         self.lit_for.restore(&mut look);
         let map = MapSource::Loaded(Arc::clone(self.stage.environment()));
-        Ok(work_out(LightingRequest { map, look })?.prepared)
+        Ok(work_out(LightingRequest { map, look, ground: self.lit_for.ground })?.prepared)
     }
 
     pub(super) fn request_lighting(&mut self) {
-        let look = self.look().clone();
-        let map = match self.lit_for.same_map(&LightingKey::of(&look)) {
+        self.request_lighting_by(match self.lit_for.same_map(&self.wanted_lighting()) {
             true => MapSource::Loaded(Arc::clone(self.stage.environment())),
             false => MapSource::Unread,
-        };
-        self.lighting.request(LightingRequest { map, look });
+        });
+    }
+
+    fn request_lighting_by(&mut self, map: MapSource) {
+        let (look, ground) = (self.look().clone(), self.stage.stands_on_ground());
+        self.lighting.request(LightingRequest { map, look, ground });
     }
 
     fn take_lighting(&mut self, worked_out: Result<LightingResult, StudioError>) -> Update {
@@ -133,9 +136,9 @@ impl Studio {
     }
 
     fn light_up(&mut self, result: LightingResult) -> Result<(), StudioError> {
-        let LightingResult { map, lights, prepared, warnings, look } = result;
+        let LightingResult { map, lights, prepared, warnings, look, ground } = result;
         self.renderer.set_prepared_lighting(prepared)?;
-        self.lit_for = LightingKey::of(&look);
+        self.lit_for = LightingKey::of(&look, ground);
         self.lights = Arc::new(lights);
         self.stage.set_environment(map, warnings);
         // The suitable exposure is that of the environment that is seen now.
