@@ -3,7 +3,7 @@ use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, Pose, Scene, SkinId};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
-use crate::bounds::{InstanceBox, mesh_boxes};
+use crate::bounds::InstanceBox;
 use crate::deformation::{DeformableBoxes, PoseData, Records};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
@@ -137,15 +137,15 @@ impl Geometry {
                 _ => ranges.push(DrawRange { material, indices: first_index..end }),
             }
             let world_from_mesh = placement.world_from_mesh;
-            let new_box = |min, max| InstanceBox { min, max, instance, world_from_mesh };
+            let new_box = |bounds| InstanceBox { bounds, instance, world_from_mesh };
             if scene.is_deformable(placement) {
                 // Its place is known once the pose is.
                 if !mesh.triangles.is_empty() {
                     deformable.push((boxes.len(), DeformableBoxes::new(mesh, placement.skin.is_some())));
-                    boxes.push(new_box(Vec3::ZERO, Vec3::ZERO));
+                    boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
                 }
             } else {
-                boxes.extend(mesh_boxes(mesh).into_iter().map(|(min, max)| new_box(min, max)));
+                boxes.extend(mesh.part_boxes().into_iter().map(new_box));
             }
         }
         let pose = scene.pose();
@@ -249,7 +249,8 @@ impl Geometry {
             let joints = instance.skin.map(|skin| pose.world_from_bind[skin.0].as_slice());
             let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
             if let Some(((min, max), world_from_mesh)) = around {
-                *place = InstanceBox { min, max, instance: place.instance, world_from_mesh };
+                *place =
+                    InstanceBox { bounds: Bounds { min, max }, instance: place.instance, world_from_mesh };
             }
         }
         // False for NaN.
@@ -269,11 +270,7 @@ impl Geometry {
 
     /// Around all boxes; `None` without geometry.
     pub fn bounds(&self) -> Option<Bounds> {
-        let corners = self.boxes.iter().flat_map(InstanceBox::corners);
-        corners.fold(None, |bounds: Option<Bounds>, p| {
-            let b = bounds.unwrap_or(Bounds { min: p, max: p });
-            Some(Bounds { min: b.min.min(p), max: b.max.max(p) })
-        })
+        Bounds::around(self.boxes.iter().flat_map(InstanceBox::corners))
     }
 }
 

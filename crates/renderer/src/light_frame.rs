@@ -179,13 +179,13 @@ pub(crate) fn light_uniform(
 #[cfg(test)]
 mod tests {
     use glam::{Affine3A, DVec3};
+    use gnomon_scene::Bounds;
 
     use super::*;
 
     fn boxes() -> Vec<InstanceBox> {
         vec![InstanceBox {
-            min: Vec3::new(-1.0, 0.0, -2.0),
-            max: Vec3::new(1.0, 3.0, 2.0),
+            bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 3.0, 2.0) },
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }]

@@ -173,13 +173,13 @@ fn in_front(corners: &[Vec3], near: f32) -> impl Iterator<Item = Vec3> {
 #[cfg(test)]
 mod tests {
     use glam::Affine3A;
+    use gnomon_scene::Bounds;
 
     use super::*;
 
     fn boxes() -> Vec<InstanceBox> {
         vec![InstanceBox {
-            min: Vec3::new(-1.0, 0.0, -2.0),
-            max: Vec3::new(1.0, 1.5, 2.0),
+            bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 1.5, 2.0) },
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }]
@@ -240,8 +240,7 @@ mod tests {
     #[test]
     fn a_ground_takes_no_part_of_the_map() {
         let ground = InstanceBox {
-            min: Vec3::new(-9.0, 0.0, -9.0),
-            max: Vec3::new(9.0, 0.0, 9.0),
+            bounds: Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 0.0, 9.0) },
             instance: 1,
             world_from_mesh: Affine3A::IDENTITY,
         };

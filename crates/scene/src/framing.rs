@@ -1,7 +1,5 @@
 //! What a model needs to be looked at when its file does not say: a camera, and ground to throw its shadow on.
 
-use std::collections::BTreeMap;
-
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene, SceneError};
@@ -86,30 +84,23 @@ impl Scene {
         self.ground = Some(node);
     }
 
-    /// Whether everything stands on one level surface that reaches out under all of it: a ground that was laid, or the scene's own. Models
-    /// may have sunk into it a little.
+    /// Whether everything stands on one level surface that reaches out under all of it: a ground that was laid, or the scene's own, be it
+    /// part of a mesh. Models may have sunk into it a little.
     pub fn stands_on_ground(&self) -> bool {
         if self.ground.is_some() {
             return true;
         }
-        let mut boxes: BTreeMap<usize, Bounds> = BTreeMap::new();
-        self.visit_corners(
-            |_| true,
-            |instance, p| {
-                let point = Bounds { min: p, max: p };
-                boxes.entry(instance).and_modify(|own| *own = own.union(point)).or_insert(point);
-            },
-        );
-        let bears_all = |(&ground, bounds): (&usize, &Bounds)| {
+        let boxes = self.world_part_boxes();
+        let bears_all = |ground: usize, bounds: &Bounds| {
             let (size, height) = (bounds.max - bounds.min, bounds.max.y);
             let is_level = size.x > 0.0 && size.z > 0.0 && size.y <= LEVEL * size.max_element();
             is_level
-                && boxes.iter().filter(|(other, _)| **other != ground).all(|(_, other)| {
+                && boxes.iter().enumerate().filter(|(other, _)| *other != ground).all(|(_, other)| {
                     let within = other.min.cmpge(bounds.min) & other.max.cmple(bounds.max);
                     within.x && within.z && other.min.y - height >= -SUNKEN * (other.max.y - height)
                 })
         };
-        boxes.len() > 1 && boxes.iter().any(bears_all)
+        boxes.len() > 1 && boxes.iter().enumerate().any(|(i, bounds)| bears_all(i, bounds))
     }
 
     /// Box around what is to be framed: the models without the ground, or the ground where there is nothing else.
@@ -305,6 +296,14 @@ mod tests {
             scene.append(plate, crate::Node::default());
             scene.stands_on_ground()
         };
+        let within_one_mesh = |flat: Vec3, at: Vec3| {
+            let mut scene = scene(Vec3::ZERO, Vec3::ONE);
+            let plate = self::scene(at - 0.5 * flat, at + 0.5 * flat);
+            let mesh = &mut scene.meshes[0];
+            mesh.positions.extend(&plate.meshes[0].positions);
+            mesh.triangles.push([3, 4, 5]);
+            scene.stands_on_ground()
+        };
         assert!(!scene(Vec3::ZERO, Vec3::ONE).stands_on_ground() && !Scene::default().stands_on_ground());
         let under = Vec3::new(0.5, 0.0, 0.5);
         let level = Vec3::new(4.0, 0.0, 4.0);
@@ -315,6 +314,8 @@ mod tests {
         assert!(!with(level, under + 2.0 * Vec3::X), "the model stands half beside it");
         assert!(!with(Vec3::new(4.0, 1.0, 4.0), under), "not level");
         assert!(!with(Vec3::new(4.0, 4.0, 0.0), under), "a wall");
+        assert!(within_one_mesh(level, under));
+        assert!(!within_one_mesh(level, under + 1.1 * Vec3::Y));
         let mut laid = scene(Vec3::ZERO, Vec3::ONE);
         laid.add_ground(Ground::Plane);
         assert!(laid.stands_on_ground());

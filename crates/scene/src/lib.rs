@@ -12,6 +12,7 @@ mod framing;
 mod light;
 mod load;
 mod material;
+mod parts;
 mod pose;
 mod reflectance;
 mod scene;

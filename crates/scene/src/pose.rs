@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3, Vec4};
 
-use crate::{Mesh, MeshId, NodeId, Scene, SkinId, normal_matrix};
+use crate::{Bounds, Mesh, MeshId, NodeId, Scene, SkinId, normal_matrix};
 
 /// Largest coordinate [m] or matrix entry that is drawn: squares of it stay finite.
 pub(crate) const LARGEST: f32 = 1e15;
@@ -138,7 +138,7 @@ impl Scene {
         self.instances_in(&self.world_from_nodes())
     }
 
-    fn instances_in(&self, world_from_nodes: &[Affine3A]) -> Vec<Instance> {
+    pub(crate) fn instances_in(&self, world_from_nodes: &[Affine3A]) -> Vec<Instance> {
         let placed = self.nodes.iter().zip(world_from_nodes).enumerate();
         placed
             .flat_map(|(index, (node, &world_from_mesh))| {
@@ -209,20 +209,16 @@ impl Scene {
         vertices
     }
 
-    /// Calls `visit` with the world-space corners of every triangle of the nodes that `counts`, each with the number of its instance.
-    pub(crate) fn visit_corners(&self, counts: impl Fn(NodeId) -> bool, mut visit: impl FnMut(usize, Vec3)) {
-        let pose = self.pose();
-        let placed = self.instances_in(&pose.world_from_nodes);
-        for (number, instance) in placed.iter().enumerate().filter(|(_, instance)| counts(instance.node)) {
-            let mesh = &self.meshes[instance.mesh.0];
-            let indices = mesh.triangles.iter().flatten().map(|&index| index as usize);
-            if self.is_deformable(instance) {
-                let vertices = self.world_vertices(&pose, instance);
-                indices.for_each(|index| visit(number, vertices.positions[index]));
-            } else {
-                let affine = instance.world_from_mesh;
-                indices.for_each(|index| visit(number, affine.transform_point3(mesh.positions[index])));
-            }
+    /// Box around the triangle corners of an instance in `pose`, in world space; `None` without triangles.
+    pub(crate) fn instance_bounds(&self, pose: &Pose, instance: &Instance) -> Option<Bounds> {
+        let mesh = &self.meshes[instance.mesh.0];
+        let indices = mesh.triangles.iter().flatten().map(|&index| index as usize);
+        if self.is_deformable(instance) {
+            let vertices = self.world_vertices(pose, instance);
+            Bounds::around(indices.map(|index| vertices.positions[index]))
+        } else {
+            let affine = instance.world_from_mesh;
+            Bounds::around(indices.map(|index| affine.transform_point3(mesh.positions[index])))
         }
     }
 }

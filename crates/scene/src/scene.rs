@@ -110,6 +110,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Box around points; `None` without any.
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        points.into_iter().map(|p| Self { min: p, max: p }).reduce(Self::union)
+    }
+
     /// Centre [m].
     pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)
@@ -138,12 +143,10 @@ impl Scene {
     }
 
     fn bounds_where(&self, counts: impl Fn(NodeId) -> bool) -> Option<Bounds> {
-        let mut bounds: Option<Bounds> = None;
-        self.visit_corners(counts, |_, p| {
-            let point = Bounds { min: p, max: p };
-            bounds = Some(bounds.map_or(point, |bounds| bounds.union(point)));
-        });
-        bounds
+        let pose = self.pose();
+        let placed = self.instances_in(&pose.world_from_nodes);
+        let counted = placed.iter().filter(|instance| counts(instance.node));
+        counted.filter_map(|instance| self.instance_bounds(&pose, instance)).reduce(Bounds::union)
     }
 
     /// Camera by name, or by its number from 0 where no camera has that name; `None` asks for the first.

@@ -62,8 +62,8 @@ fn compare(gpu: &Gpu, pass: &TransformPass, geometry: &Geometry, scene: &Scene) 
             }
             let inside = boxes.iter().any(|place| {
                 let local = place.world_from_mesh.inverse().transform_point3(*position);
-                let slack = Vec3::splat(1e-4 * (place.max - place.min).max_element().max(1e-6));
-                local.cmpge(place.min - slack).all() && local.cmple(place.max + slack).all()
+                let slack = Vec3::splat(1e-4 * (place.bounds.max - place.bounds.min).max_element().max(1e-6));
+                local.cmpge(place.bounds.min - slack).all() && local.cmple(place.bounds.max + slack).all()
             });
             outside += usize::from(!inside && used.contains(&(vertex as u32)));
             at += 1;
