@@ -29,7 +29,8 @@ pub struct DecomposeArgs {
     #[command(flatten)]
     fit: FitArgs,
 
-    /// For scenes that stand on a ground, which little light from below reaches: the partition spends few of its lights there
+    /// For scenes that stand on a ground, which little light from below reaches: a partition of fewer than 48 lights spends few of
+    /// them there
     #[arg(long)]
     above_ground: bool,
 

@@ -23,7 +23,7 @@ pub struct FitOptions {
     /// Seed of what is random: a stratified sampler. The same seed gives the same lights.
     pub seed: u64,
     /// The scene stands on a ground, so that little light arrives from below the horizon (-y). A partition then spends few of its
-    /// lights there; other fits take lights where there is light.
+    /// lights there if it has fewer than 48; other fits take lights where there is light.
     pub ground: bool,
 }
 
