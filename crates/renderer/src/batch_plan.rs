@@ -21,7 +21,7 @@ pub enum ShadowSizing {
 }
 
 impl ShadowSizing {
-    /// Texels along the side of the map of a light with [`gnomon_shaders::layout::Light::footprint`] `footprint`, where the largest map
+    /// Texels along the side of the map of a light with [`crate::light_frame::footprint`] `footprint`, where the largest map
     /// has `largest`.
     pub(crate) fn resolution(self, footprint: f32, largest: u32) -> u32 {
         let halvings = match self {

@@ -10,6 +10,9 @@ const COLOR_COUNT: usize = 4;
 
 /// Textures of `gbuffer.wgsl`'s outputs, one texel a sample.
 pub(crate) struct GBuffer {
+    /// Parts a side that the samples are drawn in, see `sample_places.wgsl`.
+    pub interleave: u32,
+    size: [u32; 2],
     depth: wgpu::TextureView,
     colors: Vec<wgpu::TextureView>,
     /// Bind group 1 of the passes over the screen.
@@ -17,8 +20,9 @@ pub(crate) struct GBuffer {
 }
 
 impl GBufferPass {
-    /// Textures for a picture of so many samples.
-    pub fn target(&self, gpu: &Gpu, [width, height]: [u32; 2]) -> GBuffer {
+    /// Textures for a picture of `size` samples, `samples` x `samples` a pixel.
+    pub fn target(&self, gpu: &Gpu, size: [u32; 2], samples: u32) -> GBuffer {
+        let [width, height] = size;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let target = |label, format| {
             gpu.texture(label, [width, height, 1], 1, format, usage).create_view(&Default::default())
@@ -29,7 +33,8 @@ impl GBufferPass {
         let bound: Vec<_> =
             (0..).zip(views).map(|(i, view)| (i, wgpu::BindingResource::TextureView(view))).collect();
         let group = gpu.bind_group("gbuffer", &self.read_layout, &bound);
-        GBuffer { depth, colors, group }
+        let interleave = if samples.is_multiple_of(2) { 2 } else { 1 };
+        GBuffer { interleave, size, depth, colors, group }
     }
 }
 
@@ -149,9 +154,15 @@ impl GBufferPass {
             pass.set_vertex_buffer(slot, buffer.slice(..));
         }
         pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for range in &geometry.ranges {
-            pass.set_bind_group(1, materials.bind_group(range.material), &[]);
-            pass.draw_indexed(range.indices.clone(), 0, 0..1);
+        let [width, height] = target.size.map(|side| side / target.interleave);
+        for part in 0..target.interleave * target.interleave {
+            let (x, y) = (part % target.interleave * width, part / target.interleave * height);
+            pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
+            pass.set_scissor_rect(x, y, width, height);
+            for range in &geometry.ranges {
+                pass.set_bind_group(1, materials.bind_group(range.material), &[]);
+                pass.draw_indexed(range.indices.clone(), 0, part..part + 1);
+            }
         }
     }
 }

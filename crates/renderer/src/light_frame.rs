@@ -159,7 +159,7 @@ pub(crate) fn light_uniform(
         bitangent: light.bitangent.to_array(),
         solid_angle: light.solid_angle,
         radiance: light.radiance.to_array(),
-        footprint: footprint(light),
+        padding_2: 0.0,
         corners,
         light_from_world: light_from_world.to_cols_array_2d(),
         map_width_world: map_width,

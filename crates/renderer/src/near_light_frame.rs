@@ -3,7 +3,7 @@ use gnomon_scene::{AreaLightShape, PlacedLight};
 use gnomon_shaders::layout;
 
 use crate::bounds::InstanceBox;
-use crate::light_frame::{LOOKUP_VARIANCE, MARGIN_TEXELS};
+use crate::light_frame::MARGIN_TEXELS;
 
 /// Tangent of half the widest field of view of a map, 150 degrees: beyond it texels at the rim grow too coarse. What lies outside
 /// is lit.
@@ -41,22 +41,12 @@ pub(crate) fn near_light_uniform(
     )
     .transpose();
 
-    let (kind, shape, seen_area, variance) = match light.shape {
-        AreaLightShape::Sphere { radius } => (
-            layout::KIND_SPHERE,
-            layout::SHAPE_DISK,
-            std::f32::consts::PI * radius * radius,
-            half_extent.x * half_extent.x / 4.0,
-        ),
-        AreaLightShape::Disk { .. } => {
-            (layout::KIND_FLAT, layout::SHAPE_DISK, light.shape.area(), half_extent.x * half_extent.x / 4.0)
+    let (kind, shape, seen_area) = match light.shape {
+        AreaLightShape::Sphere { radius } => {
+            (layout::KIND_SPHERE, layout::SHAPE_DISK, std::f32::consts::PI * radius * radius)
         }
-        AreaLightShape::Rectangle { .. } => (
-            layout::KIND_FLAT,
-            layout::SHAPE_RECTANGLE,
-            light.shape.area(),
-            half_extent.length_squared() / 6.0,
-        ),
+        AreaLightShape::Disk { .. } => (layout::KIND_FLAT, layout::SHAPE_DISK, light.shape.area()),
+        AreaLightShape::Rectangle { .. } => (layout::KIND_FLAT, layout::SHAPE_RECTANGLE, light.shape.area()),
     };
     let (across, along) = (tangent * half_extent.x, bitangent * half_extent.y);
     let corners = [-across - along, along - across, across + along, across - along];
@@ -68,7 +58,7 @@ pub(crate) fn near_light_uniform(
         bitangent: bitangent.to_array(),
         solid_angle: seen_area,
         radiance: light.radiance.to_array(),
-        footprint: (variance / LOOKUP_VARIANCE).sqrt(),
+        padding_2: 0.0,
         corners: corners.map(|corner| (corner - axis).normalize().extend(0.0).to_array()),
         light_from_world: light_from_world.to_cols_array_2d(),
         map_width_world: map_width,

@@ -236,7 +236,8 @@ impl Renderer {
         let samples = self.settings.samples;
         let sample_size = size.map(|side| side * samples);
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
-        self.write_uniforms(lit, camera, &matrices.cropped(height, rows), sample_size);
+        let matrices = matrices.cropped(height, rows);
+        self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
 
         let mut recorder = Recorder::new(gpu, self.settings.profile);
         self.passes.transform.encode(&mut recorder, &self.geometry);
@@ -284,6 +285,7 @@ impl Renderer {
         camera: &Camera,
         matrices: &CameraMatrices,
         [width, height]: [u32; 2],
+        interleave: u32,
     ) {
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
@@ -296,9 +298,9 @@ impl Renderer {
                 | flag(self.unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
             shadow_sampling: self.settings.shadow_sampling,
             sample_extent: matrices.view_width / width as f32,
+            interleave,
             padding_0: 0.0,
             padding_1: 0.0,
-            padding_2: 0.0,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world: environment_from_world.to_cols_array_2d(),
@@ -322,7 +324,7 @@ impl Renderer {
             .create_view(&Default::default());
         Ok(Target {
             size,
-            gbuffer: self.passes.gbuffer.target(gpu, sample_size),
+            gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.samples),
             points: self.passes.points.points(gpu, sample_size, self.settings.shadow_sampling)?,
             sample_group: self.passes.compose.output_group(gpu, &samples),
             output: self.passes.resolve.output(gpu, &samples, size),

@@ -314,3 +314,38 @@ fn a_shadow_of_what_stands_near_the_horizon_costs_little_of_a_low_light() {
         );
     }
 }
+
+/// An edge that crosses one column of pixels over the picture's height. On a rotated grid of 2 x 2 samples it comes in four steps,
+/// on 4 x 4 in eight: in rows and columns these would be two and four, and twice the error.
+#[test]
+fn an_almost_upright_edge_has_as_many_steps_as_samples_allow() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = constant_map(Vec3::ONE);
+    let set = fitted(&map);
+    const SIZE: u32 = 64;
+    let pixel = 2.0 / SIZE as f32;
+    let corners = [(-9.0, -1.0), (0.0, -1.0), (pixel, 1.0), (-9.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let black = Surface { base_color: Vec3::ZERO, ..Default::default() };
+    let edge = Mesh {
+        positions: corners.to_vec(),
+        normals: vec![Vec3::Z; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let scene = scene_of(vec![edge], material(black));
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 2.0 * 0.25_f32.atan());
+    for (samples, steps) in [(1, 1), (2, 4), (3, 3), (4, 8)] {
+        let settings = RenderSettings { samples, shadows: "none".to_owned(), ..Default::default() };
+        let frame = render(&gpu, settings, &scene, &map, &set, &camera, [SIZE, SIZE]);
+        let worst = (0..SIZE)
+            .map(|row| {
+                let open = (row as f32 + 0.5) / SIZE as f32;
+                (frame.radiance.get(SIZE / 2, row).x - open).abs()
+            })
+            .fold(0.0, f32::max);
+        let expected = 0.5 / steps as f32;
+        println!("{samples} x {samples}: off by {worst}");
+        // A row is not one height.
+        assert!((worst - expected).abs() < 1.0 / SIZE as f32, "{samples}: {worst} against {expected}");
+    }
+}

@@ -79,6 +79,7 @@ const MODULES: &[(&str, &str)] = sources![
     "resample",
     "resolve",
     "sample_pattern",
+    "sample_places",
     "series",
     "sh",
     "shading_points",

@@ -1,4 +1,4 @@
-#import view
+#import sample_places
 #import math
 #import brdf_reflectance
 
@@ -48,9 +48,10 @@ struct GBufferSample {
 }
 
 @vertex
-fn gbuffer_vertex(vertex: Vertex) -> Varying {
+fn gbuffer_vertex(vertex: Vertex, @builtin(instance_index) part: u32) -> Varying {
     var surface: Varying;
-    surface.position_clip = view.clip_from_world * vec4f(vertex.position_world.xyz, 1.0);
+    let position_clip = view.clip_from_world * vec4f(vertex.position_world.xyz, 1.0);
+    surface.position_clip = position_clip + vec4f(position_clip.w * part_shift(part), 0.0, 0.0);
     surface.position_world = vertex.position_world.xyz;
     surface.normal_world = vertex.normal_world.xyz;
     surface.tangent_world = vertex.tangent_world;
@@ -69,15 +70,17 @@ fn texture_uv(index: u32, uvs: vec4f) -> vec2f {
 
 @fragment
 fn gbuffer_fragment(surface: Varying) -> GBufferSample {
+    // Texels of a part lie a whole pixel apart, its samples do not.
+    let level_bias = -log2(f32(view.interleave));
     let base_color = material.base_color * surface.color
-        * textureSample(base_color_texture, base_color_sampler, texture_uv(0u, surface.uvs));
+        * textureSampleBias(base_color_texture, base_color_sampler, texture_uv(0u, surface.uvs), level_bias);
     let metallic_roughness =
-        textureSample(metallic_roughness_texture, metallic_roughness_sampler, texture_uv(1u, surface.uvs));
-    let normal_texel = textureSample(normal_texture, normal_sampler, texture_uv(2u, surface.uvs)).xyz;
-    let specular = material.specular * textureSample(specular_texture, specular_sampler, texture_uv(3u, surface.uvs)).a;
+        textureSampleBias(metallic_roughness_texture, metallic_roughness_sampler, texture_uv(1u, surface.uvs), level_bias);
+    let normal_texel = textureSampleBias(normal_texture, normal_sampler, texture_uv(2u, surface.uvs), level_bias).xyz;
+    let specular = material.specular * textureSampleBias(specular_texture, specular_sampler, texture_uv(3u, surface.uvs), level_bias).a;
     let specular_color = material.specular_color
-        * textureSample(specular_color_texture, specular_color_sampler, texture_uv(4u, surface.uvs)).rgb;
-    let emissive = material.emissive * textureSample(emissive_texture, emissive_sampler, texture_uv(5u, surface.uvs)).rgb;
+        * textureSampleBias(specular_color_texture, specular_color_sampler, texture_uv(4u, surface.uvs), level_bias).rgb;
+    let emissive = material.emissive * textureSampleBias(emissive_texture, emissive_sampler, texture_uv(5u, surface.uvs), level_bias).rgb;
     let across = dpdx(surface.position_world);
     let down = dpdy(surface.position_world);
     if base_color.a < material.alpha_cutoff {

@@ -1,4 +1,4 @@
-#import view
+#import sample_places
 #import brdf_reflectance
 
 // Group 1 of every pass over the screen: what is seen through the samples of the picture.
@@ -33,12 +33,12 @@ struct Surface {
 
 // Depth of a sample, 0 where it shows the background.
 fn depth_at(sample: vec2u) -> f32 {
-    return textureLoad(gbuffer_depth, sample, 0);
+    return textureLoad(gbuffer_depth, gbuffer_texel(sample), 0);
 }
 
 // Homogeneous point of the world seen through a sample at a depth.
 fn unproject(sample: vec2u, depth: f32) -> vec4f {
-    let ndc = (vec2f(sample) + 0.5) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    let ndc = sample_place(sample) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     return view.world_from_clip * vec4f(ndc, depth, 1.0);
 }
 
@@ -48,7 +48,7 @@ fn position_at(sample: vec2u, depth: f32) -> vec3f {
 }
 
 fn normal_at(sample: vec2u) -> vec3f {
-    return octahedral_decode(textureLoad(gbuffer_normals, sample, 0).xy);
+    return octahedral_decode(textureLoad(gbuffer_normals, gbuffer_texel(sample), 0).xy);
 }
 
 // The model that the G-buffer's metallic share stands for.
@@ -58,10 +58,11 @@ fn model_from_code(metallic: f32) -> u32 {
 
 // What a sample of a depth above 0 shows.
 fn surface_at(sample: vec2u, depth: f32) -> Surface {
-    let normals = textureLoad(gbuffer_normals, sample, 0);
-    let base_color_metallic = textureLoad(gbuffer_base_color_metallic, sample, 0);
-    let f0_f90 = textureLoad(gbuffer_f0_f90, sample, 0);
-    let emissive_roughness = textureLoad(gbuffer_emissive_roughness, sample, 0);
+    let texel = gbuffer_texel(sample);
+    let normals = textureLoad(gbuffer_normals, texel, 0);
+    let base_color_metallic = textureLoad(gbuffer_base_color_metallic, texel, 0);
+    let f0_f90 = textureLoad(gbuffer_f0_f90, texel, 0);
+    let emissive_roughness = textureLoad(gbuffer_emissive_roughness, texel, 0);
     // Negative: another model than metallic-roughness, its colours mixed already.
     let code = base_color_metallic.a;
     let metallic = max(code, 0.0);

@@ -3,20 +3,21 @@
 
 // Exponent of n . n' for a sample that shows a surface.
 fn normal_power_at(sample: vec2u) -> f32 {
-    let metallic = textureLoad(gbuffer_base_color_metallic, sample, 0).a;
-    let f90 = textureLoad(gbuffer_f0_f90, sample, 0).a;
+    let texel = gbuffer_texel(sample);
+    let metallic = textureLoad(gbuffer_base_color_metallic, texel, 0).a;
+    let f90 = textureLoad(gbuffer_f0_f90, texel, 0).a;
     let model = model_from_code(metallic);
-    let roughness = equivalent_roughness(model, textureLoad(gbuffer_emissive_roughness, sample, 0).a);
+    let roughness = equivalent_roughness(model, textureLoad(gbuffer_emissive_roughness, texel, 0).a);
     return resample_normal_power(select(1.0, alpha_from_roughness(roughness), max(metallic, f90) > 0.0));
 }
 
 // Weight of a shading point for a sample of the picture.
 fn point_weight(point: ShadingPoint, sample: vec2u, position_world: vec3f, n: vec3f, normal_power: f32) -> f32 {
     let side = f32(view.shadow_sampling);
-    let place = vec2f(vec2u(point.sample % view.size.x, point.sample / view.size.x));
+    let place = sample_place(vec2u(point.sample % view.size.x, point.sample / view.size.x));
     // Homogeneous w is the distance along the view, or 1 in a parallel one.
     let w = dot(vec4f(view.clip_from_world[0].w, view.clip_from_world[1].w, view.clip_from_world[2].w, view.clip_from_world[3].w),
         vec4f(position_world, 1.0));
     let height = dot(n, point.position_world - position_world) / (side * view.sample_extent * w);
-    return resample_weight((place - vec2f(sample)) / side, height, dot(n, point.normal), normal_power);
+    return resample_weight((place - sample_place(sample)) / side, height, dot(n, point.normal), normal_power);
 }

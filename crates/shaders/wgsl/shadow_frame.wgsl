@@ -21,6 +21,13 @@ fn receiver_in_light(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     return vec4f(0.5 + 0.5 * p.x / p.w, 0.5 - 0.5 * p.y / p.w, saturate(z), z);
 }
 
+// How far a place is in a map whose texels have this width [uv]: 0 from a texel beyond its edge on, where nothing blocks. A coarse texel at the
+// edge holds blockers, and a sampler repeats it without end.
+fn share_in_map(uv: vec2f, texel_width: f32) -> f32 {
+    let inside = saturate(1.0 - max(abs(uv - 0.5) - 0.5, vec2f(0.0)) / texel_width);
+    return inside.x * inside.y;
+}
+
 // Linear depth of what a depth map stores: perspective maps are drawn with linear depth, too.
 fn linear_from_stored_depth(light: u32, stored: f32) -> f32 {
     return stored;
@@ -32,8 +39,7 @@ fn stored_from_linear_depth(light: u32, linear: f32) -> f32 {
 }
 
 // Width, as a share of the map's side, of the light's footprint at a receiver of linear depth `d` behind a blocker of linear depth `z`,
-// per unit of the light's own size: the penumbra (Annen et al. 2008, section 3). Times `lights[light].footprint` it is the width
-// of the mip texel that filters the penumbra.
+// per unit of the light's own size: the penumbra (Annen et al. 2008, section 3).
 fn footprint_scale_uv(light: u32, d: f32, z: f32) -> f32 {
     let range = lights[light].depth_range_world;
     let width = (d - z) * range / lights[light].map_width_world;

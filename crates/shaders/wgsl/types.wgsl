@@ -14,9 +14,10 @@ struct View {
     shadow_sampling: u32,
     // Distance in the world from a sample to the next, across the view at a distance of 1 or in a parallel view.
     sample_extent: f32,
+    // The G-buffer is drawn in so many parts a side, each with every so manyth sample: 1 or 2.
+    interleave: u32,
     padding_0: f32,
     padding_1: f32,
-    padding_2: f32,
     // SH coefficients (rgb) of radiance, in the order of `Sh9`: the residual's, the whole environment's.
     residual_sh: array<vec4f, 9>,
     full_sh: array<vec4f, 9>,
@@ -51,8 +52,7 @@ struct Light {
     // [sr]; of a light in the scene the emitting area that a direction sees at most [m^2].
     solid_angle: f32,
     radiance: vec3f,
-    // Width of the mip texel whose bilinear lookup has the outline's variance, for a blocker one metre above [m / m].
-    footprint: f32,
+    padding_2: f32,
     // Rectangle only: unit directions, counter-clockwise seen from the scene.
     corners: array<vec4f, 4>,
     // xy in [-1, 1]. Orthographic for a distant light, z the linear depth in [0, 1] from near to far; else perspective, w the
