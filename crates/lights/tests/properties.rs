@@ -19,7 +19,8 @@ fn all_fits() -> Vec<Box<dyn LightFit>> {
         FitOptions { threshold: Some(0.03), ..none },
         FitOptions { max_extent: Some(0.7), ..none },
         FitOptions { max_extent: Some(0.7), threshold: Some(0.03), ..none },
-        FitOptions { ground: true, ..none },
+        FitOptions { ground: true, light_count: Some(13), ..none },
+        FitOptions { ground: true, light_count: Some(30), ..none },
     ];
     let sampled = samplers().iter().map(|&sampler| FitOptions { sampler: Some(sampler), ..none });
     let options: Vec<FitOptions> = options.into_iter().chain(sampled).collect();

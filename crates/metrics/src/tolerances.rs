@@ -143,7 +143,7 @@ pub const BLOCKER_DEPTH_16: f64 = 0.03;
 pub const BLOCKER_DEPTH_4: f64 = 0.08;
 
 /// Visible share of a wide light that reaches from the horizon up, its lower half behind a wall, against the closed form. What is near
-/// the horizon counts by its cosine: an even share of the outline would be off by 0.3.
+/// the horizon counts by its cosine: an even share of the outline would be off by 0.2.
 pub const LOW_LIGHT_VISIBILITY: f32 = 0.1;
 
 /// Light that may reach a receiver through a closed wall of one shadow texel's thickness: visibility.

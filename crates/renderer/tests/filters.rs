@@ -185,7 +185,9 @@ fn penumbrae_of_blockers_near_the_receiver_have_their_width() {
         widths.iter().sum::<f32>() / widths.len() as f32
     };
     for height in [0.05, 0.1, 0.15, 0.2] {
-        let expected = 2.0 * height * radius.tan();
+        // The disk's points add to irradiance by the fourth power of their cosine: on the plane through the edge 10 % and 90 % of it lie
+        // 0.978 as far apart as of an even disk (integrated numerically for 20 degrees).
+        let expected = 0.978 * 2.0 * height * radius.tan();
         // Of fewer points the spread along one direction depends on how they fall.
         let found = width(&convolution(|s| s.contact_samples = 16), height);
         println!("blocker at {height} m: {found:.4} m, closed form {expected:.4} m");

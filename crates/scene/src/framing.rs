@@ -87,9 +87,6 @@ impl Scene {
     /// Whether everything stands on one level surface that reaches out under all of it: a ground that was laid, or the scene's own, be it
     /// part of a mesh. Models may have sunk into it a little.
     pub fn stands_on_ground(&self) -> bool {
-        if self.ground.is_some() {
-            return true;
-        }
         let boxes = self.world_part_boxes();
         let bears_all = |ground: usize, bounds: &Bounds| {
             let (size, height) = (bounds.max - bounds.min, bounds.max.y);

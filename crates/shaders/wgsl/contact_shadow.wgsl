@@ -14,10 +14,11 @@ const WHOLE_REACH: f32 = 0.9;
 const CONTACT_DEPTH_BIAS: f32 = 0.002;
 const CONTACT_NORMAL_OFFSET: f32 = 0.2;
 
-// Four texels around a place: how far they are in front of the receiver's plane, in linear depth, and their weights in a bilinear
-// lookup.
+// Four texels around a place: how far they are in front of the receiver's plane, in linear depth, which ones block, and their weights
+// in a bilinear lookup.
 struct DepthQuad {
     distances: vec4f,
+    blocks: vec4<bool>,
     weights: vec4f,
 }
 
@@ -32,14 +33,16 @@ fn depth_quad(light: u32, receiver: vec4f, gradient: vec2f, offset: vec2f) -> De
     let step = gradient / size;
     // In the order of a gather: counter-clockwise from the lower left, v down.
     let rise = min(slope + vec4f(step.y, step.x + step.y, step.x, 0.0), vec4f(0.0));
-    let plane = min(receiver.w + rise, vec4f(receiver.z));
+    // A receiver may lie beyond the map's depths, where nothing is drawn.
+    let plane = receiver.w + rise;
+    let blocks = min(plane, vec4f(receiver.z)) > depths;
     let weights = vec4f((1.0 - t.x) * t.y, t.x * t.y, t.x * (1.0 - t.y), (1.0 - t.x) * (1.0 - t.y));
-    return DepthQuad(plane - depths, weights);
+    return DepthQuad(plane - depths, blocks, weights);
 }
 
 // Share of the light that blockers nearer than `reach`, in linear depth, leave to a point. `samples` places are searched, and where
 // there is such a blocker as many filtered.
-fn contact_visibility(light: u32, position_world: vec3f, normal_world: vec3f, samples: u32, reach: f32) -> f32 {
+fn contact_visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f, samples: u32, reach: f32) -> f32 {
     let position = less_offset(light, position_world, normal_world, CONTACT_NORMAL_OFFSET);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
@@ -47,35 +50,33 @@ fn contact_visibility(light: u32, position_world: vec3f, normal_world: vec3f, sa
     }
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
     let biased = receiver - vec4f(0.0, 0.0, CONTACT_DEPTH_BIAS, CONTACT_DEPTH_BIAS);
-    // A receiver beyond the map's depths is so much farther from a blocker than the depth it is compared at.
-    let beyond = receiver.w - receiver.z;
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
     let outline = light_outline(light, fract(f32(light) * vec2f(0.7548777, 0.5698403)));
 
     let search_scale = footprint_scale_uv(light, receiver.w, receiver.w - reach);
-    let cosines = outline_cosines(light, position_world, normal_world);
+    let outline_seen = outline_from(light, position_world);
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0u; i < samples; i++) {
         let offset = search_scale * outline_point(outline, i, samples);
-        let distances = depth_quad(light, biased, gradient, offset).distances;
-        let blocks = (distances > vec4f(0.0)) & (distances < vec4f(reach - beyond));
-        sum += dot(select(vec4f(0.0), distances, blocks), vec4f(1.0));
+        let quad = depth_quad(light, biased, gradient, offset);
+        let blocks = quad.blocks & (quad.distances < vec4f(reach));
+        sum += dot(select(vec4f(0.0), quad.distances, blocks), vec4f(1.0));
         count += dot(select(vec4f(0.0), vec4f(1.0), blocks), vec4f(1.0));
     }
     if count == 0.0 {
         return 1.0;
     }
-    let scale = footprint_scale_uv(light, receiver.w, receiver.w - beyond - sum / count);
+    let scale = footprint_scale_uv(light, receiver.w, receiver.w - sum / count);
     var blocked = 0.0;
     var weights = 0.0;
     for (var i = 0u; i < samples; i++) {
         let point = outline_point(outline, i, samples);
-        let weight = max(dot(cosines, vec3f(1.0, point)), 0.0);
+        let weight = irradiance_weight(outline_seen, n, point);
         weights += weight;
         let quad = depth_quad(light, biased, gradient, scale * point);
-        let share = saturate((reach - beyond - quad.distances) / ((1.0 - WHOLE_REACH) * reach));
-        blocked += weight * dot(quad.weights, select(vec4f(0.0), share, quad.distances > vec4f(0.0)));
+        let share = saturate((reach - quad.distances) / ((1.0 - WHOLE_REACH) * reach));
+        blocked += weight * dot(quad.weights, select(vec4f(0.0), share, quad.blocks));
     }
     return 1.0 - blocked / max(weights, 1e-9);
 }

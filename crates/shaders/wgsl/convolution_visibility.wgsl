@@ -65,7 +65,7 @@ fn average_blocker_depth(light: u32, lookup: Lookup, d: f32, lit: f32) -> f32 {
 }
 
 // Behind blockers as the filtered series sees them.
-fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let receiver = receiver_in_light(light, position_world, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
@@ -76,12 +76,14 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     }
     let depth = SERIES_DEPTH_SCALE * receiver.z;
 
-    // First kernel: where the cone to the light meets the near plane. It holds the final one, so where all of it is lit or
-    // all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
+    // First kernel: where the cone to the light meets the near plane. It holds the final one, wherever its centre is between the
+    // outline's and the receiver's place: where all of it is lit or all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
     // less would mix the receiver's depth into the blockers'.
     let d_average = max(depth - parameters.average_bias, SERIES_LEAST_DEPTH);
-    let outline = lit_box(light, position_world, normal_world);
-    var lookup = lookup_at(light, outline, receiver, 0.0);
+    let outline = lit_box(light, position_world, n);
+    let reach = abs(outline.center) / max(parameters.footprint_scale, 1e-3);
+    let whole = WeightedBox(outline.center, max(outline.half_extent, reach));
+    var lookup = lookup_at(light, whole, receiver, 0.0);
     let first_lit = filtered_lit(light, lookup, d_average);
     if first_lit >= FULLY_LIT {
         return 1.0;
@@ -112,12 +114,12 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     return sharpen(clean, blocker_distance, parameters.sharpening_a, parameters.sharpening_b);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
-    let lit = series_visibility(light, position_world, normal_world);
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
+    let lit = series_visibility(light, position_world, normal_world, n);
     if parameters.contact_samples == 0u || lit == 0.0 {
         return lit;
     }
     // Both see a blocker at the end of the reach: a product would darken its penumbra twice.
     let samples = parameters.contact_samples;
-    return min(lit, contact_visibility(light, position_world, normal_world, samples, parameters.contact_reach));
+    return min(lit, contact_visibility(light, position_world, normal_world, n, samples, parameters.contact_reach));
 }

@@ -7,17 +7,25 @@ fn box_half_extent(light: u32) -> vec2f {
     return lights[light].half_extent * select(1.0, sqrt(0.75), lights[light].shape == SHAPE_DISK);
 }
 
-// n.c, n.a and n.b for the points c + x a + y b of a light's outline, along the axes of its map's uv, in the light's own size.
-fn outline_cosines(light: u32, position_world: vec3f, n: vec3f) -> vec3f {
+// c, a and b for the points c + x a + y b of a light's outline as the receiver sees it, along the axes of its map's uv, in the light's own size.
+fn outline_from(light: u32, position_world: vec3f) -> mat3x3f {
     var to_light = lights[light].direction;
     if lights[light].kind != KIND_DISTANT {
         to_light = lights[light].position - position_world;
     }
     // Map v runs against the bitangent.
-    return n * mat3x3f(to_light, lights[light].tangent, -lights[light].bitangent);
+    return mat3x3f(to_light, lights[light].tangent, -lights[light].bitangent);
+}
+
+// What a point of the outline adds to irradiance on a normal `n`, but for a factor that all of them share: n.v / |v|^4, of which
+// |v|^-3 is the solid angle of a piece of the outline's plane.
+fn irradiance_weight(outline: mat3x3f, n: vec3f, point: vec2f) -> f32 {
+    let v = outline * vec3f(1.0, point);
+    let squared = dot(v, v) / dot(outline[0], outline[0]);
+    return max(dot(n, v), 0.0) * inverseSqrt(dot(outline[0], outline[0])) / (squared * squared);
 }
 
 // The part of a light's outline that shines on a receiver.
 fn lit_box(light: u32, position_world: vec3f, n: vec3f) -> WeightedBox {
-    return weighted_box(outline_cosines(light, position_world, n), box_half_extent(light));
+    return weighted_box(n * outline_from(light, position_world), box_half_extent(light));
 }

@@ -13,5 +13,6 @@ fn kernel_of(half_extent: vec2f) -> Kernel {
 }
 
 fn filtered(image: texture_2d_array<f32>, uv: vec2f, layer: u32, kernel: Kernel, unblocked: vec4f) -> vec4f {
-    return textureSampleLevel(image, trilinear, uv, layer, kernel.level);
+    let share = share_in_map(uv, exp2(kernel.level) / parameters.resolution);
+    return mix(unblocked, textureSampleLevel(image, trilinear, uv, layer, kernel.level), share);
 }

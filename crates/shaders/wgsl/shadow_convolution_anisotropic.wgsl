@@ -31,8 +31,9 @@ fn kernel_of(half_extent: vec2f) -> Kernel {
 fn filtered(image: texture_2d_array<f32>, uv: vec2f, layer: u32, kernel: Kernel, unblocked: vec4f) -> vec4f {
     var sum = vec4f(0.0);
     for (var tap = 0.0; tap < kernel.taps; tap += 1.0) {
-        let offset = (tap - 0.5 * (kernel.taps - 1.0)) * kernel.step_uv;
-        sum += textureSampleLevel(image, trilinear, uv + offset, layer, kernel.level);
+        let place = uv + (tap - 0.5 * (kernel.taps - 1.0)) * kernel.step_uv;
+        let share = share_in_map(place, exp2(kernel.level) / parameters.resolution);
+        sum += mix(unblocked, textureSampleLevel(image, trilinear, place, layer, kernel.level), share);
     }
     return sum / kernel.taps;
 }

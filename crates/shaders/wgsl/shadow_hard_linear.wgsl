@@ -6,7 +6,7 @@
 @group(2) @binding(0) var<uniform> parameters: HardParameters;
 @group(2) @binding(1) var depth_maps: texture_depth_2d_array;
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let receiver = receiver_in_light(light, position_world, normal_world);
     let size = vec2i(textureDimensions(depth_maps));
     let texel = vec2i(floor(receiver.xy * vec2f(size)));

@@ -17,12 +17,13 @@ const FULLY_LIT: f32 = 0.005;
 // `blockers_in_front` of a receiver of linear depth `d` in a kernel of `width_uv`, the depth in its turn linear in [0, 1].
 fn filtered_blockers(light: u32, uv: vec2f, d: f32, width_uv: f32) -> vec2f {
     let level = min(level_from_width(parameters.resolution * width_uv), parameters.max_level);
-    let moments = textureSampleLevel(moment_maps, trilinear, uv, light, level);
+    let share = share_in_map(uv, exp2(level) / parameters.resolution);
+    let moments = mix(depth_moments(1.0), textureSampleLevel(moment_maps, trilinear, uv, light, level), share);
     let found = blockers_in_front(three_atoms(biased_moments(moments, parameters.moment_bias), 2.0 * d - 1.0));
     return vec2f(found.x, 0.5 * found.y + 0.5);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
@@ -30,7 +31,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     }
     // A tilted receiver's own surface spreads over so much depth per unit of kernel width.
     let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position, normal_world, receiver));
-    let outline = lit_box(light, position_world, normal_world);
+    let outline = lit_box(light, position_world, n);
     let footprint = parameters.footprint_scale * length(outline.half_extent) / sqrt(6.0 * LOOKUP_VARIANCE);
     let d = receiver.z - parameters.depth_bias;
 

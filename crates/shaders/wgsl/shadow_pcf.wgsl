@@ -9,7 +9,7 @@
 @group(2) @binding(1) var depth_maps: texture_depth_2d_array;
 @group(2) @binding(2) var lit_if_nearer: sampler_comparison;
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {

@@ -3,8 +3,8 @@
 #import light_outline
 #import lit_outline
 
-// Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline, each of its points by the cosine at the
-// receiver.
+// Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline, each of its points by what it adds to
+// irradiance.
 
 @group(2) @binding(0) var<uniform> parameters: PcssParameters;
 @group(2) @binding(1) var depth_maps: texture_depth_2d_array;
@@ -29,7 +29,7 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
     return vec2f(sum / max(count, 1.0), count);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
+fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
@@ -47,12 +47,12 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
         return 1.0;
     }
     let scale = footprint_scale_uv(light, receiver.w, blockers.x);
-    let cosines = outline_cosines(light, position_world, normal_world);
+    let outline_seen = outline_from(light, position_world);
     var lit = 0.0;
     var weights = 0.0;
     for (var i = 0u; i < parameters.filter_samples; i++) {
         let point = outline_point(outline, i, parameters.filter_samples);
-        let weight = max(dot(cosines, vec3f(1.0, point)), 0.0);
+        let weight = irradiance_weight(outline_seen, n, point);
         weights += weight;
         let offset = scale * point;
         let d = receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias;

@@ -93,6 +93,13 @@ impl FitLook {
         })
     }
 
+    /// Whether a scene that stands on a ground gets other lights for it.
+    pub(crate) fn heeds_ground(&self) -> bool {
+        let fit =
+            self.options().map(|options| by_name(&self.method, &FitOptions { ground: true, ..options }));
+        fit.is_ok_and(|fit| fit.is_ok_and(|fit| fit.heeds_ground()))
+    }
+
     /// Whether there is such a fit, and its options are in range.
     pub(crate) fn check(&self) -> Result<(), StudioError> {
         let options = self.options()?;

@@ -37,6 +37,7 @@ struct Bare {
     material_of_mesh: Vec<Option<MaterialId>>,
     nodes: usize,
     ground: Option<NodeId>,
+    stands_on_ground: bool,
     warnings: usize,
     /// Width over height of the pictures that it was loaded for.
     aspect: f32,
@@ -65,15 +66,22 @@ impl SceneChange {
 }
 
 impl Bare {
-    fn of(scene: &Scene, aspect: f32) -> Self {
+    fn of(scene: &mut Scene, aspect: f32) -> Self {
+        scene.rest();
         Self {
             materials: scene.materials.clone(),
             material_of_mesh: scene.meshes.iter().map(|mesh| mesh.material).collect(),
             nodes: scene.nodes.len(),
             ground: scene.ground,
+            stands_on_ground: scene.stands_on_ground(),
             warnings: scene.warnings.len(),
             aspect,
         }
+    }
+
+    /// Whether it does once [`dress`] was there, too.
+    fn dressed_stands_on_ground(&self, dressed: &Scene) -> bool {
+        self.stands_on_ground || dressed.ground != self.ground
     }
 
     /// Takes off what [`dress`] put on.
@@ -126,10 +134,10 @@ impl Stage {
     ) -> Result<Self, StudioError> {
         let Project { source, mut scene, look } = project;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
-        let bare = Bare::of(&scene, look.display.aspect());
+        let bare = Bare::of(&mut scene, look.display.aspect());
         let reach = reach(&mut scene, &look.animation)?;
         dress(&mut scene, &look, reach)?;
-        let stands_on_ground = scene.stands_on_ground();
+        let stands_on_ground = bare.dressed_stands_on_ground(&scene);
         pose(&mut scene, &look.animation)?;
         let automatic_exposure = environment.suitable_exposure();
         let scene = Arc::new(scene);
@@ -291,7 +299,7 @@ impl Stage {
                 self.reach = reach(scene, &self.look.animation)?;
             }
             dress(scene, &self.look, self.reach)?;
-            self.stands_on_ground = scene.stands_on_ground();
+            self.stands_on_ground = self.bare.dressed_stands_on_ground(scene);
         }
         if change.dressed || change.moved {
             pose(Arc::make_mut(&mut self.scene), &self.look.animation)?;

@@ -48,7 +48,7 @@ pub struct Studio {
 struct LightingKey {
     environment: EnvironmentLook,
     fit: FitLook,
-    /// Whether the scene stands on one.
+    /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
     ambient: String,
     ambient_cells: usize,
@@ -60,7 +60,7 @@ impl LightingKey {
             // Turning needs no new lights.
             environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
             fit: look.fit.clone(),
-            ground,
+            ground: ground && look.fit.heeds_ground(),
             ambient: look.render.ambient.clone(),
             ambient_cells: look.render.ambient_cells,
         }
@@ -164,12 +164,12 @@ impl Studio {
     /// # Errors
     /// What can be told at once: names of nothing, settings out of range, shadow maps beyond the memory. The look is then what it was.
     pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
-        let (was, lit_for) = (self.look().clone(), self.wanted_lighting());
+        let (was, wanted) = (self.look().clone(), self.wanted_lighting());
         if let Err(error) = self.apply(look) {
             self.apply(was)?;
             return Err(error);
         }
-        if self.wanted_lighting() != lit_for {
+        if self.wanted_lighting() != wanted {
             self.request_lighting();
         }
         Ok(())

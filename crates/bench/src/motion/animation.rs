@@ -210,13 +210,14 @@ impl Experiment for Animation {
 
 /// The stage in the middle of a clip, on a ground and in view there.
 fn dancing(file: &Stage, clip: usize) -> Result<Stage, BenchError> {
-    let mut stage = file.clone();
-    if let Some(duration) = stage.scene.animations.get(clip).map(gnomon_scene::Animation::duration) {
-        stage.scene.animate(clip, 0.45 * duration)?;
-        stage.scene.add_ground(Ground::Plane);
-        stage.camera = default_camera(&stage.scene, ASPECT);
-    }
-    Ok(stage)
+    let mut scene = file.scene.clone();
+    let Some(duration) = scene.animations.get(clip).map(gnomon_scene::Animation::duration) else {
+        return Ok(file.clone());
+    };
+    scene.animate(clip, 0.45 * duration)?;
+    scene.add_ground(Ground::Plane);
+    let camera = default_camera(&scene, ASPECT);
+    Ok(Stage { stand_in: file.stand_in, ..Stage::new(file.name, scene, camera) })
 }
 
 #[cfg(test)]

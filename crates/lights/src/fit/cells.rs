@@ -50,7 +50,7 @@ pub fn cells(map: &Equirect, options: &FitOptions) -> Result<Vec<DistantLight>, 
     check(options)?;
     check_map(map)?;
     let count = options.light_count.unwrap_or(LIGHT_COUNT);
-    let ground = options.ground && count < GROUND_BELOW;
+    let ground = heeds_ground(options);
     let faces = Faces::new(map, FACE_SIZE);
     let tables: Vec<Face> = (0..6).map(|face| Face::new(&faces, face)).collect();
     let black =
@@ -94,6 +94,11 @@ pub(super) fn check(options: &FitOptions) -> Result<(), FitError> {
     options.validate_tiling("partition")?;
     options.refuse_threshold("partition")?;
     options.refuse_sampler("partition")
+}
+
+/// Whether the cells are others above a ground.
+pub(super) fn heeds_ground(options: &FitOptions) -> bool {
+    options.ground && options.light_count.unwrap_or(LIGHT_COUNT) < GROUND_BELOW
 }
 
 /// Whether all of a cell lies below the horizon.
@@ -305,8 +310,8 @@ mod tests {
                 lights.iter().filter(|light| light.direction.y < -1e-3).count()
             };
             let (without, with) = (below(false), below(true));
-            let counts = (30..GROUND_BELOW).contains(&count);
-            assert!(count < 30 || (with < without) == counts, "{count}: {with} instead of {without}");
+            let counts = count < GROUND_BELOW;
+            assert!(count < 17 || (with < without) == counts, "{count}: {with} instead of {without}");
             assert!(with > 0, "{count}");
         }
     }

@@ -35,6 +35,11 @@ pub trait LightFit: Send + Sync {
     /// The settings in force, by name; numbers in the units that their names or documentation give.
     fn parameters(&self) -> Map<String, Value>;
 
+    /// Whether the lights are others for a scene that stands on a ground, as this fit's options have it.
+    fn heeds_ground(&self) -> bool {
+        false
+    }
+
     /// Fits lights to a map. Deterministic; flux of lights and residual equals the map's, channel by channel; a black
     /// map has no lights.
     fn fit(&self, map: &Equirect) -> Result<LightSet, FitError>;

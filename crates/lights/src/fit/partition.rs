@@ -1,7 +1,7 @@
 use gnomon_envmap::Equirect;
 use serde_json::{Map, Value, json};
 
-use super::cells::{FACE_SIZE, LIGHT_COUNT, cells, check};
+use super::cells::{FACE_SIZE, LIGHT_COUNT, cells, check, heeds_ground};
 use super::faces::luminance;
 use super::{FitError, FitOptions, LightFit};
 use crate::LightSet;
@@ -28,7 +28,7 @@ impl Partition {
     pub fn new(options: &FitOptions) -> Result<Self, FitError> {
         check(options)?;
         let light_count = options.light_count.or(Some(LIGHT_COUNT));
-        Ok(Self { options: FitOptions { light_count, ..*options } })
+        Ok(Self { options: FitOptions { light_count, ground: heeds_ground(options), ..*options } })
     }
 }
 
@@ -44,6 +44,10 @@ impl LightFit for Partition {
         parameters.insert("max_extent".into(), json!(self.options.max_extent));
         parameters.insert("ground".into(), json!(self.options.ground));
         parameters
+    }
+
+    fn heeds_ground(&self) -> bool {
+        self.options.ground
     }
 
     fn fit(&self, map: &Equirect) -> Result<LightSet, FitError> {
