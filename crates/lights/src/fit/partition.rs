@@ -12,8 +12,8 @@ pub(super) const SUMMARY: &str =
 /// Uniform rectangles on cube faces that hold all of the map's flux, strongest first: the residual is black. See [`cells`].
 ///
 /// Three boxes and a bunny on a ground, under seven maps, drawn with percentage-closer shadows and ratio compositing, are off by
-/// 0.043 of their mean with 15 lights, 0.028 with 30 and 0.019 with 60 (relative root mean square, geometric mean of 14 pictures,
-/// the noise of the truth included). With [`FitOptions::ground`] 15 lights are off by 0.036 and 30 by 0.025.
+/// 0.041 of their mean with 15 lights, 0.027 with 30 and 0.018 with 60 (relative root mean square, geometric mean of 14 pictures,
+/// the noise of the truth included). With [`FitOptions::ground`] 15 lights are off by 0.035 and 30 by 0.024.
 #[derive(Clone, Debug)]
 pub struct Partition {
     options: FitOptions,
