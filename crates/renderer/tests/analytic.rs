@@ -349,3 +349,29 @@ fn an_almost_upright_edge_has_as_many_steps_as_samples_allow() {
         assert!((worst - expected).abs() < 1.0 / SIZE as f32, "{samples}: {worst} against {expected}");
     }
 }
+
+/// Light below a surface does not shine on it, wherever its shading normals look: normal maps tilt them far.
+#[test]
+fn a_surface_hides_light_below_it_from_its_own_shading_normals() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut tilted = horizontal(Vec2::splat(-1.0), Vec2::splat(1.0), 0.0);
+    tilted.normals.fill(Vec3::new(60_f32.to_radians().sin(), 0.5, 0.0));
+    let scene = scene_of(vec![tilted], material(Surface { base_color: Vec3::ONE, ..Default::default() }));
+    let camera = Camera::look_at(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 30_f32.to_radians());
+    let lit = |shadows: &str, elevation: f32| {
+        let towards = Vec3::new(elevation.to_radians().cos(), elevation.to_radians().sin(), 0.0);
+        let settings = RenderSettings {
+            shadows: shadows.to_owned(),
+            compositing: "additive".to_owned(),
+            background: false,
+            ..Default::default()
+        };
+        let set = one_disk(towards, 5_f32.to_radians());
+        render(&gpu, settings, &scene, &no_light(), &set, &camera, [8, 8]).radiance.get(4, 4).x
+    };
+    for shadows in ["pcss", "convolution"] {
+        let [below, above] = [-15.0, 15.0].map(|elevation| lit(shadows, elevation) / lit("none", elevation));
+        println!("{shadows}: {below:.3} from below, {above:.3} from above");
+        assert!(below <= tolerances::LIGHT_LEAK && above >= 1.0 - tolerances::LIGHT_LEAK, "{shadows}");
+    }
+}

@@ -74,6 +74,10 @@ fn contact_visibility(light: u32, position_world: vec3f, normal_world: vec3f, n:
         let point = outline_point(outline, i, samples);
         let weight = irradiance_weight(outline_seen, n, point);
         weights += weight;
+        if is_behind_surface(outline_seen, normal_world, point) {
+            blocked += weight;
+            continue;
+        }
         let quad = depth_quad(light, biased, gradient, scale * point);
         let share = saturate((reach - quad.distances) / ((1.0 - WHOLE_REACH) * reach));
         blocked += weight * dot(quad.weights, select(vec4f(0.0), share, quad.blocks));

@@ -65,7 +65,7 @@ fn average_blocker_depth(light: u32, lookup: Lookup, d: f32, lit: f32) -> f32 {
 }
 
 // Behind blockers as the filtered series sees them.
-fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
+fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> f32 {
     let receiver = receiver_in_light(light, position_world, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
@@ -80,7 +80,7 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: 
     // outline's and the receiver's place: where all of it is lit or all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
     // less would mix the receiver's depth into the blockers'.
     let d_average = max(depth - parameters.average_bias, SERIES_LEAST_DEPTH);
-    let outline = lit_box(light, position_world, n);
+    let outline = lit_box(light, position_world, normal_world);
     let reach = abs(outline.center) / max(parameters.footprint_scale, 1e-3);
     let whole = WeightedBox(outline.center, max(outline.half_extent, reach));
     var lookup = lookup_at(light, whole, receiver, 0.0);
@@ -115,7 +115,7 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: 
 }
 
 fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
-    let lit = series_visibility(light, position_world, normal_world, n);
+    let lit = series_visibility(light, position_world, normal_world);
     if parameters.contact_samples == 0u || lit == 0.0 {
         return lit;
     }

@@ -25,6 +25,12 @@ fn irradiance_weight(outline: mat3x3f, n: vec3f, point: vec2f) -> f32 {
     return max(dot(n, v), 0.0) * inverseSqrt(dot(outline[0], outline[0])) / (squared * squared);
 }
 
+// Whether the receiver's own surface, of the geometric normal `normal_world`, hides a point of the outline, on which side of the
+// shading normal it may be.
+fn is_behind_surface(outline: mat3x3f, normal_world: vec3f, point: vec2f) -> bool {
+    return dot(normal_world, outline * vec3f(1.0, point)) <= 0.0;
+}
+
 // The part of a light's outline that shines on a receiver.
 fn lit_box(light: u32, position_world: vec3f, n: vec3f) -> WeightedBox {
     return weighted_box(n * outline_from(light, position_world), box_half_extent(light));

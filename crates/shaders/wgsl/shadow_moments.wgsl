@@ -31,7 +31,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) 
     }
     // A tilted receiver's own surface spreads over so much depth per unit of kernel width.
     let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position, normal_world, receiver));
-    let outline = lit_box(light, position_world, n);
+    let outline = lit_box(light, position_world, normal_world);
     let footprint = parameters.footprint_scale * length(outline.half_extent) / sqrt(6.0 * LOOKUP_VARIANCE);
     let d = receiver.z - parameters.depth_bias;
 

@@ -54,6 +54,9 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) 
         let point = outline_point(outline, i, parameters.filter_samples);
         let weight = irradiance_weight(outline_seen, n, point);
         weights += weight;
+        if is_behind_surface(outline_seen, normal_world, point) {
+            continue;
+        }
         let offset = scale * point;
         let d = receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias;
         let stored = stored_from_linear_depth(light, d);
