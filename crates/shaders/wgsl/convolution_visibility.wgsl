@@ -77,7 +77,8 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     let depth = SERIES_DEPTH_SCALE * receiver.z;
 
     // First kernel: where the cone to the light meets the near plane. It holds the final one, wherever its centre is between the
-    // outline's and the receiver's place: where all of it is lit or all of it is dark, so is the point. Its bias is the one at which the receiver's own surface counts as exactly lit:
+    // outline's and the receiver's place: where all of it is lit or all of it is dark, so is the point. Its bias is the one at
+    // which the receiver's own surface counts as exactly lit:
     // less would mix the receiver's depth into the blockers'.
     let d_average = max(depth - parameters.average_bias, SERIES_LEAST_DEPTH);
     let outline = lit_box(light, position_world, normal_world);
