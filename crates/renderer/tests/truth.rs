@@ -12,15 +12,18 @@ use gnomon_image::RgbImage;
 use gnomon_lights::{FitOptions, LightSet};
 use gnomon_metrics::{compare, tolerances};
 use gnomon_reference::ReferenceOptions;
-use gnomon_renderer::RenderSettings;
+use gnomon_renderer::{Gpu, RenderSettings};
 use gnomon_scene::{Camera, LoadOptions, Scene};
 
 /// The default, and the method of Annen et al. 2008.
 const SOFT: [&str; 2] = ["pcss", "convolution"];
 
 fn fit(map: &Equirect) -> LightSet {
-    let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
-    gnomon_lights::fit::by_name("partition", &options).unwrap().fit(map).unwrap()
+    fit_by("partition", FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() }, map)
+}
+
+fn fit_by(method: &str, options: FitOptions, map: &Equirect) -> LightSet {
+    gnomon_lights::fit::by_name(method, &options).unwrap().fit(map).unwrap()
 }
 
 fn load(path: &Path) -> (Scene, Camera) {
@@ -29,20 +32,24 @@ fn load(path: &Path) -> (Scene, Camera) {
     (scene, camera)
 }
 
-/// Relative RMSE of every technique's picture against Mitsuba's.
-fn against_mitsuba(scene: &str, environment: &str, truth: &str) {
-    let data = |name: &str| gnomon_testing::data_file(name);
-    let (Some(scene), Some(map), Some(truth)) = (
-        data(&format!("scenes/{scene}.glb")),
-        data(&format!("reference/env_{environment}_latlong_512x256.exr")),
-        data(&format!("reference/{truth}.exr")),
-    ) else {
-        return;
-    };
-    let Some(gpu) = gpu_or_skip() else { return };
+/// Scene, camera and environment of one of Mitsuba's pictures, and the picture; none where the data or an adapter are absent.
+fn of_mitsuba(
+    scene: &str,
+    environment: &str,
+    truth: &str,
+) -> Option<(Gpu, Scene, Camera, Equirect, RgbImage)> {
+    let scene = gnomon_testing::data_file(&format!("scenes/{scene}.glb"))?;
+    let map = gnomon_testing::data_file(&format!("reference/env_{environment}_latlong_512x256.exr"))?;
+    let truth = gnomon_testing::data_file(&format!("reference/{truth}.exr"))?;
+    let gpu = gpu_or_skip()?;
     let (scene, camera) = load(&scene);
     let map = gnomon_envmap::load(&map, None).unwrap().map;
-    let truth = gnomon_image::read(&truth).unwrap().image;
+    Some((gpu, scene, camera, map, gnomon_image::read(&truth).unwrap().image))
+}
+
+/// Relative RMSE of every technique's picture against Mitsuba's.
+fn against_mitsuba(scene: &str, environment: &str, truth: &str) {
+    let Some((gpu, scene, camera, map, truth)) = of_mitsuba(scene, environment, truth) else { return };
     let set = fit(&map);
     assert!(set.lights.len() <= tolerances::GPU_LIGHTS);
     let error = |shadows: &str| {
@@ -73,6 +80,24 @@ fn three_boxes_under_grace() {
 #[test]
 fn bunny_under_st_peters() {
     against_mitsuba("bunny_on_ground", "stpeters", "bunny_flat_stpeters");
+}
+
+#[test]
+fn few_optimized_lights_are_better_than_a_partition_s() {
+    let Some((gpu, scene, camera, map, truth)) = of_mitsuba("three_boxes", "grace", "three_boxes_grace")
+    else {
+        return;
+    };
+    let error = |method: &str| {
+        let options = FitOptions { light_count: Some(30), ground: true, ..Default::default() };
+        let set = fit_by(method, options, &map);
+        let size = [truth.width(), truth.height()];
+        let frame = render(&gpu, RenderSettings::default(), &scene, &map, &set, &camera, size);
+        compare(&frame.radiance, &truth, None).unwrap().relative_rmse
+    };
+    let (partition, optimized) = (error("partition"), error("optimized"));
+    println!("30 lights: partition {partition:.4}, optimized {optimized:.4}");
+    assert!(optimized <= tolerances::OPTIMIZED_ERROR_RATIO * partition, "{optimized} {partition}");
 }
 
 /// Built-in scenes under built-in environments, against the reference tracer: needs no external data.

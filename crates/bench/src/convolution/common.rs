@@ -10,7 +10,7 @@ use gnomon_scene::{AreaLight, AreaLightShape, Camera, Node, NodeId, Scene};
 use crate::{Setup, Stage};
 
 /// The light fits that are compared, in the order of tables.
-pub(super) const FITS: [&str; 4] = ["disks", "squares", "rectangles", "partition"];
+pub(super) const FITS: [&str; 5] = ["disks", "squares", "rectangles", "partition", "optimized"];
 
 /// A frame in which all shadow maps have `resolution` texels a side: what times at a stated resolution are measured with.
 pub(super) fn uniform_maps(resolution: u32) -> RenderSettings {

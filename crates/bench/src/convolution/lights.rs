@@ -181,7 +181,7 @@ fn many_hard_maps(
 ) -> Result<(), BenchError> {
     let hard: &[usize] = lab.pick(&[7], &[500], &[100, 500, 1000]);
     let truth = &scenery.truth.picture;
-    let soft = lab.lights("partition", Some(lab.pick(6, 30, 30)), &scenery.stage, &scenery.environment)?;
+    let soft = lab.lights("optimized", Some(lab.pick(6, 30, 30)), &scenery.stage, &scenery.environment)?;
     let mut soft_variants = Variant::prefilters(4);
     soft_variants.push(Variant::technique("pcss"));
     let soft_variants = soft_variants.into_iter();

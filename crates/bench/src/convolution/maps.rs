@@ -32,7 +32,7 @@ const SIZES: [Size; 3] = [
 
 const TECHNIQUES: [&str; 2] = ["convolution", "pcss"];
 
-/// Of the lights of a fit that leaves an ambient rest, at least so many are kept for that rest.
+/// Of the lights of disks, at least so many are kept for the ambient rest that they leave.
 const CELLS: usize = 32;
 
 /// How an environment becomes lights, and how they cast shadows.
@@ -53,7 +53,7 @@ impl Way {
 
     /// Lights that the fit is asked for.
     fn asked_for(&self) -> usize {
-        if self.fit == "partition" { self.size.lights } else { self.size.lights - CELLS }
+        if self.fit == "disks" { self.size.lights - CELLS } else { self.size.lights }
     }
 
     fn column(&self) -> String {
@@ -127,7 +127,7 @@ impl Experiment for Maps {
         }
         let mut paragraphs = vec![format!(
             "{} x {} pixels of {samples} x {samples} samples, Lambert, ratio compositing; convolution with mip maps and M = 4. Lights are \
-             counted in all: {CELLS} or more of them tile what disks, squares and rectangles leave over, a partition leaves nothing. \
+             counted in all: {CELLS} or more of them tile what disks leave over, the other fits leave nothing. \
              Shadow maps are coarser for wider lights and have at most 256 texels a side, 512 with 200 lights.",
             size[0], size[1],
         )];

@@ -1,7 +1,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use gnomon_envmap::Equirect;
 
 use super::error::check_map;
@@ -17,7 +17,7 @@ const QUARTERS_FROM: usize = 30;
 /// A cell below this share of the whole flux is black: the sums round at about 10^-16 of it.
 const BLACK: f64 = 1e-12;
 /// Least half width of a light in texels: the sun's.
-const LEAST_HALF_WIDTH: f64 = 0.125;
+pub(super) const LEAST_HALF_WIDTH: f64 = 0.125;
 /// Weight of a light's extent in its [`Face::cost`]: shadows of wide lights are the least exact.
 const EXTENT_WEIGHT: f64 = 0.03;
 /// Numbers of lights with which a ground counts: with 20 it takes a sixth off the pictures' error, with 40 a twentieth, with 50
@@ -47,12 +47,25 @@ pub(super) const LIGHT_COUNT: usize = 60;
 /// # Errors
 /// A count or an extent out of range, a threshold or sampler, a map without texels or with some that are no radiance.
 pub fn cells(map: &Equirect, options: &FitOptions) -> Result<Vec<DistantLight>, FitError> {
-    check(options)?;
+    check("partition", options)?;
     check_map(map)?;
+    let divided = divided(&Faces::new(map, FACE_SIZE), options);
+    Ok(divided.iter().map(|part| Faces::light_between(part.face, part.min, part.max, part.flux)).collect())
+}
+
+/// What stands for a cell: opposite corners on its face, from -1 to 1, and flux.
+pub(super) struct Part {
+    pub(super) face: usize,
+    pub(super) min: DVec2,
+    pub(super) max: DVec2,
+    pub(super) flux: DVec3,
+}
+
+/// The lights of [`cells`], for faces of [`FACE_SIZE`] texels and options that [`check`] lets pass.
+pub(super) fn divided(faces: &Faces, options: &FitOptions) -> Vec<Part> {
     let count = options.light_count.unwrap_or(LIGHT_COUNT);
     let ground = heeds_ground(options);
-    let faces = Faces::new(map, FACE_SIZE);
-    let tables: Vec<Face> = (0..6).map(|face| Face::new(&faces, face)).collect();
+    let tables: Vec<Face> = (0..6).map(|face| Face::new(faces, face)).collect();
     let black =
         BLACK * tables.iter().map(|face| face.moments(TexelRect::face(FACE_SIZE)).light[0]).sum::<f64>();
     let max_extent = options.max_extent.map_or(f64::INFINITY, f64::from);
@@ -74,26 +87,26 @@ pub fn cells(map: &Equirect, options: &FitOptions) -> Result<Vec<DistantLight>, 
             break;
         }
         let table = &tables[cell.face];
-        let cut = if cell.cost.is_finite() { table.best_cut(cell.rect) } else { halves(&faces, cell.rect) };
+        let cut = if cell.cost.is_finite() { table.best_cut(cell.rect) } else { halves(faces, cell.rect) };
         match cut {
             Some(parts) => open.extend(parts.into_iter().filter_map(|rect| planned(cell.face, rect))),
             None => done.push(cell),
         }
     }
     done.extend(open);
-    let light = |cell: &Cell| {
-        let (min, max) = tables[cell.face].matched(cell.rect);
-        Faces::light_between(cell.face, min, max, faces.rect_flux(cell.face, cell.rect))
+    let part = |&Cell { face, rect, .. }: &Cell| {
+        let (min, max) = tables[face].matched(rect);
+        Part { face, min, max, flux: faces.rect_flux(face, rect) }
     };
-    Ok(done.iter().map(light).collect())
+    done.iter().map(part).collect()
 }
 
-/// Whether a map can be divided so.
-pub(super) fn check(options: &FitOptions) -> Result<(), FitError> {
+/// Whether a map can be divided so, for the fit called `method`.
+pub(super) fn check(method: &'static str, options: &FitOptions) -> Result<(), FitError> {
     options.validate()?;
-    options.validate_tiling("partition")?;
-    options.refuse_threshold("partition")?;
-    options.refuse_sampler("partition")
+    options.validate_tiling(method)?;
+    options.refuse_threshold(method)?;
+    options.refuse_sampler(method)
 }
 
 /// Whether the cells are others above a ground.
@@ -284,7 +297,7 @@ fn ramp(s: f64) -> f64 {
 mod tests {
     use std::f32::consts::{FRAC_PI_4, PI, TAU};
 
-    use glam::{DVec3, Vec3};
+    use glam::Vec3;
     use gnomon_image::RgbImage;
 
     use super::*;

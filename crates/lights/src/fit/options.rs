@@ -22,8 +22,8 @@ pub struct FitOptions {
     pub sampler: Option<Sampler>,
     /// Seed of what is random: a stratified sampler. The same seed gives the same lights.
     pub seed: u64,
-    /// The scene stands on a ground, so that little light arrives from below the horizon (-y). A partition then spends few of its
-    /// lights there if it has fewer than 48; other fits take lights where there is light.
+    /// The scene stands on a ground, so that little light arrives from below the horizon (-y). Partitions, optimized or
+    /// not, then start with few lights there if they have fewer than 48; other fits take lights where there is light.
     pub ground: bool,
 }
 

@@ -26,7 +26,7 @@ pub(super) fn build(options: &FitOptions) -> Result<Box<dyn LightFit>, FitError>
 impl Partition {
     /// The options of [`cells`]; there is no threshold.
     pub fn new(options: &FitOptions) -> Result<Self, FitError> {
-        check(options)?;
+        check("partition", options)?;
         let light_count = options.light_count.or(Some(LIGHT_COUNT));
         Ok(Self { options: FitOptions { light_count, ground: heeds_ground(options), ..*options } })
     }
