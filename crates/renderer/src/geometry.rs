@@ -1,9 +1,11 @@
+use std::collections::HashMap;
+
 use glam::{Affine3A, Vec3};
 use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, Pose, Scene, SkinId};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
-use crate::bounds::InstanceBox;
+use crate::bounds::{InstanceBox, PlacedBoxes};
 use crate::deformation::{DeformableBoxes, PoseData, Records};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
@@ -36,6 +38,8 @@ pub(crate) struct Geometry {
     pub index_count: u32,
     /// Around what casts and receives shadows. Those of deformed instances are conservative.
     pub boxes: Vec<InstanceBox>,
+    /// The same where the pose has them.
+    pub placed_boxes: PlacedBoxes,
     vertex_count: u32,
     instances: wgpu::Buffer,
     joints: wgpu::Buffer,
@@ -98,6 +102,7 @@ impl Geometry {
         let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles as usize);
         let mut ranges: Vec<DrawRange> = Vec::new();
         let mut boxes = Vec::with_capacity(placed.len());
+        let mut parts_of: HashMap<usize, Vec<Bounds>> = HashMap::new();
         let mut records = Records::new();
         let mut deformable = Vec::new();
         for (instance, placement) in placed.iter().enumerate() {
@@ -145,7 +150,8 @@ impl Geometry {
                     boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
                 }
             } else {
-                boxes.extend(mesh.part_boxes().into_iter().map(new_box));
+                let parts = parts_of.entry(placement.mesh.0).or_insert_with(|| mesh.part_boxes());
+                boxes.extend(parts.iter().copied().map(new_box));
             }
         }
         let pose = scene.pose();
@@ -195,6 +201,7 @@ impl Geometry {
             ranges,
             index_count: indices.len() as u32,
             boxes,
+            placed_boxes: PlacedBoxes::default(),
             vertex_count: total as u32,
             instances,
             joints,
@@ -204,7 +211,7 @@ impl Geometry {
             deformable,
             bind_group,
         };
-        geometry.boxes = geometry.moved_boxes(scene, &pose, &placed)?;
+        geometry.move_boxes(scene, &pose, &placed)?;
         Ok(geometry)
     }
 
@@ -225,20 +232,15 @@ impl Geometry {
         if !self.holds(scene, &placed) || data.joints.len() != self.joint_count {
             return Ok(false);
         }
-        self.boxes = self.moved_boxes(scene, &pose, &placed)?;
+        self.move_boxes(scene, &pose, &placed)?;
         gpu.queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&data.instances));
         gpu.queue.write_buffer(&self.joints, 0, bytemuck::cast_slice(&data.joints));
         gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&data.weights));
         Ok(true)
     }
 
-    /// The boxes as the pose has them.
-    fn moved_boxes(
-        &self,
-        scene: &Scene,
-        pose: &Pose,
-        placed: &[Instance],
-    ) -> Result<Vec<InstanceBox>, RenderError> {
+    /// Brings the boxes to where the pose has them.
+    fn move_boxes(&mut self, scene: &Scene, pose: &Pose, placed: &[Instance]) -> Result<(), RenderError> {
         let mut boxes = self.boxes.clone();
         for place in &mut boxes {
             place.world_from_mesh = placed[place.instance].world_from_mesh;
@@ -253,12 +255,14 @@ impl Geometry {
                     InstanceBox { bounds: Bounds { min, max }, instance: place.instance, world_from_mesh };
             }
         }
+        let placed_boxes = PlacedBoxes::new(&boxes);
         // False for NaN.
         let near = |corner: Vec3| corner.abs().max_element() <= FARTHEST && corner.is_finite();
         // Boxes do not tell: a minimum skips what is no number.
         let finite = pose.world_from_nodes.iter().all(Affine3A::is_finite);
-        if finite && boxes.iter().flat_map(InstanceBox::corners).all(near) {
-            Ok(boxes)
+        if finite && placed_boxes.corners().all(near) {
+            (self.boxes, self.placed_boxes) = (boxes, placed_boxes);
+            Ok(())
         } else {
             Err(RenderError::OutOfRange {
                 what: "the distance of a vertex from the origin",
@@ -270,7 +274,7 @@ impl Geometry {
 
     /// Around all boxes; `None` without geometry.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::around(self.boxes.iter().flat_map(InstanceBox::corners))
+        Bounds::around(self.placed_boxes.corners())
     }
 }
 

@@ -1,9 +1,10 @@
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use gnomon_lights::form_factor::rectangle_vector_irradiance;
 use gnomon_lights::{DistantLight, LightShape};
+use gnomon_scene::Bounds;
 use gnomon_shaders::layout;
 
-use crate::bounds::InstanceBox;
+use crate::bounds::PlacedBoxes;
 
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
 pub(crate) const MARGIN_TEXELS: f32 = 2.0;
@@ -38,33 +39,26 @@ struct Extent {
 /// A plane such as a ground that has everything else on one side neither needs to be in the map to receive shadows nor, where
 /// the light shines on that side, to cast them: what lies outside the map is lit. That leaves the map's texels and depths
 /// to the models.
-fn extent(light: &DistantLight, boxes: &[InstanceBox]) -> Extent {
-    let corners: Vec<Vec<Vec3>> = boxes.iter().map(|b| b.corners().collect()).collect();
-    let size = bounds(corners.iter().flatten().copied()).map_or(0.0, |(min, max)| (max - min).max_element());
-    let tolerance = 1e-4 * size;
+fn extent(light: &DistantLight, scene: &PlacedBoxes) -> Extent {
     let mut held: Vec<Vec3> = Vec::new();
     let mut blocking = Vec::new();
-    for (i, (place, own)) in boxes.iter().zip(&corners).enumerate() {
-        let plane = place.plane().filter(|_| boxes.len() > 1);
-        let bears_all = |towards: Vec3| {
-            let mut others = boxes.iter().enumerate().filter(|(j, _)| *j != i);
-            others.all(|(_, other)| place.bears(other, towards, tolerance))
-        };
-        match plane {
-            Some(_) if bears_all(light.direction) => {}
-            Some(plane) if bears_all(-light.direction) => blocking.push((plane, own)),
-            _ => held.extend(own),
+    for place in &scene.boxes {
+        match &place.ground {
+            Some(ground) if ground.bears_towards(light.direction) => {}
+            Some(ground) if ground.bears_towards(-light.direction) => blocking.push((ground, &place.corners)),
+            _ => held.extend(place.corners),
         }
     }
     if held.is_empty() {
-        held = corners.concat();
+        held = scene.corners().collect();
     }
     let (tangent, bitangent, direction) = (light.tangent, light.bitangent, light.direction);
-    let (mut min, mut max) = bounds(held.iter().map(|p| Vec3::new(tangent.dot(*p), bitangent.dot(*p), 0.0)))
-        .unwrap_or((Vec3::ZERO, Vec3::ONE));
+    let (mut min, mut max) =
+        Bounds::around(held.iter().map(|p| Vec3::new(tangent.dot(*p), bitangent.dot(*p), 0.0)))
+            .map_or((Vec3::ZERO, Vec3::ONE), |around| (around.min, around.max));
     // Where receivers lie outside the map: around the models' outline is half a penumbra, as wide as the models are deep, and no
     // wider than leaves them their texels.
-    if held.len() < corners.iter().map(Vec::len).sum() {
+    if held.len() < 8 * scene.boxes.len() {
         let (front, back) = range_of(held.iter().map(|p| direction.dot(*p))).unwrap_or((0.0, 0.0));
         let penumbra = (light.tan_half_extent() * (back - front)).extend(0.0);
         let penumbra = penumbra.min(MAX_PENUMBRA_MARGIN * (max - min));
@@ -74,13 +68,16 @@ fn extent(light: &DistantLight, boxes: &[InstanceBox]) -> Extent {
 
     let depths = |axis: Vec3| {
         let (mut near, mut far) = range_of(held.iter().map(|p| axis.dot(*p))).unwrap_or((0.0, 1.0));
-        for ((center, normal), own) in &blocking {
+        for (ground, own) in &blocking {
             // Only what lies before the map blocks anything in it.
             let whole = range_of(own.iter().map(|p| axis.dot(*p))).unwrap_or((near, far));
             let over_map = range_of(
                 [(min.x, min.y), (min.x, max.y), (max.x, min.y), (max.x, max.y)].into_iter().map(|(u, v)| {
                     let p = u * tangent + v * bitangent;
-                    axis.dot(p + direction * ((*center - p).dot(*normal) / normal.dot(direction)))
+                    axis.dot(
+                        p + direction
+                            * ((ground.center - p).dot(ground.normal) / ground.normal.dot(direction)),
+                    )
                 }),
             )
             .filter(|(low, high)| low.is_finite() && high.is_finite())
@@ -102,10 +99,6 @@ fn extent(light: &DistantLight, boxes: &[InstanceBox]) -> Extent {
     Extent { min: min.with_z(near), max: max.with_z(far), depth_axis }
 }
 
-fn bounds(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
-    points.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-}
-
 fn range_of(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
     values.map(|v| (v, v)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
@@ -113,11 +106,11 @@ fn range_of(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
 /// The light as shaders see it, its shadow map fitted around the scene.
 pub(crate) fn light_uniform(
     light: &DistantLight,
-    boxes: &[InstanceBox],
+    scene: &PlacedBoxes,
     resolution: u32,
     normal_offset_texels: f32,
 ) -> layout::Light {
-    let Extent { mut min, mut max, depth_axis } = extent(light, boxes);
+    let Extent { mut min, mut max, depth_axis } = extent(light, scene);
     let axes = [light.tangent, light.bitangent, depth_axis];
     if !(max - min).is_finite() {
         (min, max) = (Vec3::ZERO, Vec3::ONE);
@@ -179,16 +172,16 @@ pub(crate) fn light_uniform(
 #[cfg(test)]
 mod tests {
     use glam::{Affine3A, DVec3};
-    use gnomon_scene::Bounds;
 
     use super::*;
+    use crate::bounds::InstanceBox;
 
-    fn boxes() -> Vec<InstanceBox> {
-        vec![InstanceBox {
+    fn boxes() -> PlacedBoxes {
+        PlacedBoxes::new(&[InstanceBox {
             bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 3.0, 2.0) },
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
-        }]
+        }])
     }
 
     #[test]
@@ -196,7 +189,7 @@ mod tests {
         let light = DistantLight::disk(DVec3::new(0.3, 0.8, -0.5).normalize(), 0.1, DVec3::ONE);
         let uniform = light_uniform(&light, &boxes(), 256, 1.0);
         let light_from_world = Mat4::from_cols_array_2d(&uniform.light_from_world);
-        for corner in boxes().iter().flat_map(|b| b.corners().collect::<Vec<_>>()) {
+        for corner in boxes().corners() {
             let p = light_from_world.transform_point3(corner);
             assert!(p.truncate().abs().max_element() < 1.0 && p.z > 0.0 && p.z < 1.0, "{p}");
             let towards = light_from_world.transform_point3(corner + 0.1 * light.direction);
@@ -208,7 +201,7 @@ mod tests {
     #[test]
     fn a_scene_without_triangles_still_gives_a_finite_frame() {
         let light = DistantLight::disk(DVec3::Y, 0.1, DVec3::ONE);
-        let uniform = light_uniform(&light, &[], 64, 1.0);
+        let uniform = light_uniform(&light, &PlacedBoxes::default(), 64, 1.0);
         assert!(bytemuck::cast_slice::<_, f32>(&uniform.light_from_world).iter().all(|v| v.is_finite()));
     }
 }

@@ -2,7 +2,7 @@ use glam::{Mat4, Vec2, Vec3};
 use gnomon_scene::{AreaLightShape, PlacedLight};
 use gnomon_shaders::layout;
 
-use crate::bounds::InstanceBox;
+use crate::bounds::{PlacedBox, PlacedBoxes};
 use crate::light_frame::MARGIN_TEXELS;
 
 /// Tangent of half the widest field of view of a map, 150 degrees: beyond it texels at the rim grow too coarse. What lies outside
@@ -18,13 +18,13 @@ const NEAREST_OF_EXTENT: f32 = 0.5;
 /// centre.
 pub(crate) fn near_light_uniform(
     light: &PlacedLight,
-    boxes: &[InstanceBox],
+    scene: &PlacedBoxes,
     resolution: u32,
     normal_offset_texels: f32,
 ) -> layout::Light {
     let half_extent = light.shape.half_extent();
-    let [tangent, bitangent, axis] = map_axes(light, boxes);
-    let frustum = Frustum::around(light, boxes, [tangent, bitangent, axis]);
+    let [tangent, bitangent, axis] = map_axes(light, scene);
+    let frustum = Frustum::around(light, scene, [tangent, bitangent, axis]);
     let Frustum { near, far, center, half_side } = frustum;
     let resolution = resolution as f32;
     let map_width = 2.0 * half_side * resolution / (resolution - 2.0 * MARGIN_TEXELS);
@@ -76,12 +76,11 @@ pub(crate) fn near_light_uniform(
 }
 
 /// Tangent, bitangent and axis of the map. A flat light's own; a sphere looks where most of the scene lies, or down.
-fn map_axes(light: &PlacedLight, boxes: &[InstanceBox]) -> [Vec3; 3] {
+fn map_axes(light: &PlacedLight, scene: &PlacedBoxes) -> [Vec3; 3] {
     if !matches!(light.shape, AreaLightShape::Sphere { .. }) {
         return [light.tangent, light.bitangent, light.normal];
     }
-    let corners = boxes.iter().flat_map(InstanceBox::corners);
-    let mean: Vec3 = corners.map(|corner| (corner - light.center).normalize_or_zero()).sum();
+    let mean: Vec3 = scene.corners().map(|corner| (corner - light.center).normalize_or_zero()).sum();
     let axis = mean.try_normalize().unwrap_or(Vec3::NEG_Y);
     let tangent = axis.any_orthonormal_vector();
     [tangent, tangent.cross(axis), axis]
@@ -98,9 +97,9 @@ struct Frustum {
 }
 
 impl Frustum {
-    fn around(light: &PlacedLight, boxes: &[InstanceBox], axes: [Vec3; 3]) -> Self {
+    fn around(light: &PlacedLight, scene: &PlacedBoxes, axes: [Vec3; 3]) -> Self {
         let local = |corner: Vec3| Vec3::from(axes.map(|axis| axis.dot(corner - light.center)));
-        let depths = boxes.iter().flat_map(InstanceBox::corners).map(|corner| local(corner).z);
+        let depths = scene.corners().map(|corner| local(corner).z);
         let far = depths.fold(0.0, f32::max);
         // Nothing in front: any finite frame will do.
         let far = if far > 0.0 && far.is_finite() { 1.001 * far } else { 2.0 };
@@ -108,8 +107,8 @@ impl Frustum {
         let share =
             if matches!(light.shape, AreaLightShape::Sphere { .. }) { 1.0 } else { NEAREST_OF_EXTENT };
         let floor = (NEAREST_OF_FAR * far).max(share * extent).min(0.5 * far);
-        let blockers: Vec<Vec<Vec3>> =
-            blockers(light, boxes).iter().map(|place| place.corners().map(local).collect()).collect();
+        let blockers: Vec<[Vec3; 8]> =
+            blockers(light, scene).iter().map(|place| place.corners.map(local)).collect();
         let nearest = blockers.iter().flatten().map(|corner| corner.z).fold(f32::INFINITY, f32::min);
         let near = (0.999 * nearest).clamp(floor, 0.9 * far);
 
@@ -132,19 +131,15 @@ impl Frustum {
 
 /// The boxes without the planes, such as a ground, that have the light and everything else on one side: those block nothing, and what
 /// lies outside the map is lit.
-fn blockers<'b>(light: &PlacedLight, boxes: &'b [InstanceBox]) -> Vec<&'b InstanceBox> {
-    let corners = boxes.iter().flat_map(InstanceBox::corners);
-    let size = corners.fold(0.0, |size: f32, corner| size.max(corner.abs().max_element()));
-    let tolerance = 1e-4 * size;
-    let blocks = |index: usize| {
-        let Some((center, normal)) = boxes[index].plane() else { return true };
-        let height = normal.dot(light.center - center);
-        let mut others = boxes.iter().enumerate().filter(|(other, _)| *other != index);
-        let bears_all = others.all(|(_, other)| boxes[index].bears(other, height * normal, tolerance));
-        height.abs() <= tolerance || !bears_all
+fn blockers<'b>(light: &PlacedLight, scene: &'b PlacedBoxes) -> Vec<&'b PlacedBox> {
+    let blocks = |place: &&PlacedBox| {
+        place.ground.is_none_or(|ground| {
+            let height = ground.normal.dot(light.center - ground.center);
+            height.abs() <= scene.tolerance || !ground.bears_towards(height * ground.normal)
+        })
     };
-    let blocking: Vec<&InstanceBox> = (0..boxes.len()).filter(|&i| blocks(i)).map(|i| &boxes[i]).collect();
-    if blocking.is_empty() { boxes.iter().collect() } else { blocking }
+    let blocking: Vec<&PlacedBox> = scene.boxes.iter().filter(blocks).collect();
+    if blocking.is_empty() { scene.boxes.iter().collect() } else { blocking }
 }
 
 /// Of the eight corners of a box those beyond the plane at distance `near`, and where its edges meet that plane.
@@ -166,6 +161,7 @@ mod tests {
     use gnomon_scene::Bounds;
 
     use super::*;
+    use crate::bounds::InstanceBox;
 
     fn boxes() -> Vec<InstanceBox> {
         vec![InstanceBox {
@@ -192,7 +188,7 @@ mod tests {
     fn the_whole_scene_lies_inside_the_map_of_a_light_above_it() {
         for shape in SHAPES {
             let light = lamp(shape, Vec3::new(0.3, 4.0, -0.2));
-            let uniform = near_light_uniform(&light, &boxes(), 256, 1.0);
+            let uniform = near_light_uniform(&light, &PlacedBoxes::new(&boxes()), 256, 1.0);
             let light_from_world = Mat4::from_cols_array_2d(&uniform.light_from_world);
             let axis = -Vec3::from_array(uniform.direction);
             for corner in boxes().iter().flat_map(|b| b.corners()) {
@@ -217,7 +213,8 @@ mod tests {
         {
             for shape in SHAPES {
                 for boxes in [boxes(), Vec::new()] {
-                    let uniform = near_light_uniform(&lamp(shape, center), &boxes, 64, 1.0);
+                    let scene = PlacedBoxes::new(&boxes);
+                    let uniform = near_light_uniform(&lamp(shape, center), &scene, 64, 1.0);
                     let numbers: &[f32] = bytemuck::cast_slice(&uniform.light_from_world);
                     assert!(numbers.iter().all(|v| v.is_finite()), "{shape:?} {center}");
                     assert!(uniform.near_world > 0.0 && uniform.depth_range_world > 0.0);
@@ -235,8 +232,9 @@ mod tests {
             world_from_mesh: Affine3A::IDENTITY,
         };
         let light = lamp(SHAPES[0], Vec3::new(0.3, 4.0, -0.2));
-        let with = near_light_uniform(&light, &[boxes(), vec![ground.clone()]].concat(), 256, 1.0);
-        let alone = near_light_uniform(&light, &[ground], 256, 1.0);
+        let framed = |boxes: &[InstanceBox]| near_light_uniform(&light, &PlacedBoxes::new(boxes), 256, 1.0);
+        let with = framed(&[boxes(), vec![ground.clone()]].concat());
+        let alone = framed(&[ground]);
         assert!(with.map_width_world < 0.6 * alone.map_width_world);
         // Its depths are in the map's range nevertheless.
         assert!(with.near_world + with.depth_range_world > 5.0);
@@ -245,7 +243,7 @@ mod tests {
     #[test]
     fn a_light_inside_the_scene_sees_what_is_in_front_of_it() {
         let light = lamp(SHAPES[0], Vec3::new(0.0, 0.7, 0.0));
-        let uniform = near_light_uniform(&light, &boxes(), 256, 1.0);
+        let uniform = near_light_uniform(&light, &PlacedBoxes::new(&boxes()), 256, 1.0);
         // The box reaches past the widest field of view.
         assert!((uniform.map_width_world / (2.0 * MAX_TANGENT) - 1.0).abs() < 0.05);
         assert!(uniform.near_world >= 0.1);

@@ -310,8 +310,14 @@ impl Renderer {
         self.cache.write(&self.gpu, to_viewer, environment_from_world);
         let offset = self.settings.normal_offset_texels;
         let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
-        let boxes = &self.geometry.boxes;
-        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, boxes, offset, only);
+        lit.batches.write_lights(
+            &self.gpu,
+            &lit.lighting,
+            &self.near_lights,
+            &self.geometry.placed_boxes,
+            offset,
+            only,
+        );
     }
 
     fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {

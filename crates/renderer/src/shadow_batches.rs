@@ -3,7 +3,7 @@ use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::batch_plan::{Budget, plan};
-use crate::bounds::InstanceBox;
+use crate::bounds::PlacedBoxes;
 use crate::depth_maps::{DepthMaps, ShadowMapPass};
 use crate::geometry::Geometry;
 use crate::light_frame::{footprint, light_uniform};
@@ -189,7 +189,7 @@ impl ShadowBatches {
         gpu: &Gpu,
         lighting: &Lighting,
         near_lights: &[PlacedLight],
-        boxes: &[InstanceBox],
+        scene: &PlacedBoxes,
         normal_offset_texels: f32,
         only: Option<usize>,
     ) {
@@ -199,10 +199,10 @@ impl ShadowBatches {
             let lights: Vec<layout::Light> = (batch.members.iter())
                 .map(|&place| match all[place] {
                     Member::Distant { light, role } => {
-                        let uniform = light_uniform(light, boxes, resolution, normal_offset_texels);
+                        let uniform = light_uniform(light, scene, resolution, normal_offset_texels);
                         layout::Light { role, ..uniform }
                     }
-                    Member::Near(light) => near_light_uniform(light, boxes, resolution, normal_offset_texels),
+                    Member::Near(light) => near_light_uniform(light, scene, resolution, normal_offset_texels),
                 })
                 .zip(&batch.members)
                 .map(|(light, place)| match only {

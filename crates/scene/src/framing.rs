@@ -37,11 +37,9 @@ const GROUND_HALF_SIDE: f32 = 4.0;
 /// Half the side of the smallest ground [m]: its node's scale can be squared.
 const LEAST_HALF_SIDE: f32 = 1e-9;
 
-/// A surface is level whose heights differ by at most this share of its side.
-const LEVEL: f32 = 1e-4;
-
-/// Share of its height over a ground by which a model may have sunk into it and still stands on it.
-const SUNKEN: f32 = 0.15;
+/// Share of its height over a ground by which a model may have sunk into it and still stands on it: feet of a walking model do, and
+/// boxes around bent meshes are larger than these.
+pub const SUNKEN: f32 = 0.15;
 
 /// Poses in which a clip is looked at: so many a second, but not fewer or more than these, and no more than make so many vertices.
 const POSES_PER_SECOND: f32 = 8.0;
@@ -89,9 +87,8 @@ impl Scene {
     pub fn stands_on_ground(&self) -> bool {
         let boxes = self.world_part_boxes();
         let bears_all = |ground: usize, bounds: &Bounds| {
-            let (size, height) = (bounds.max - bounds.min, bounds.max.y);
-            let is_level = size.x > 0.0 && size.z > 0.0 && size.y <= LEVEL * size.max_element();
-            is_level
+            let height = bounds.max.y;
+            bounds.flat_axis() == Some(1)
                 && boxes.iter().enumerate().filter(|(other, _)| *other != ground).all(|(_, other)| {
                     let within = other.min.cmpge(bounds.min) & other.max.cmple(bounds.max);
                     within.x && within.z && other.min.y - height >= -SUNKEN * (other.max.y - height)

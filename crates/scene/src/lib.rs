@@ -23,7 +23,7 @@ mod texture;
 pub use animation::{AnimatedNode, Animation, Channel, Interpolation, Keys};
 pub use camera::{Camera, Projection};
 pub use error::SceneError;
-pub use framing::{Ground, camera_around, default_camera};
+pub use framing::{Ground, SUNKEN, camera_around, default_camera};
 pub use light::{AreaLight, AreaLightShape, PlacedLight};
 pub use load::{
     EnvironmentSettings, EnvironmentSource, Format, LoadOptions, LoadedScene, formats, load, read_sections,

@@ -19,9 +19,9 @@ impl Bounds {
     }
 
     /// The eight corners.
-    pub fn corners(&self) -> impl Iterator<Item = Vec3> + use<> {
+    pub fn corners(&self) -> [Vec3; 8] {
         let ends = [self.min, self.max];
-        (0..8_usize).map(move |i| Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
+        std::array::from_fn(|i| Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
     }
 }
 
@@ -45,11 +45,12 @@ impl Scene {
     pub(crate) fn world_part_boxes(&self) -> Vec<Bounds> {
         let pose = self.pose();
         let mut boxes = Vec::new();
+        let mut parts_of = HashMap::new();
         for instance in self.instances_in(&pose.world_from_nodes) {
             let parts = if self.is_deformable(&instance) {
-                Vec::new()
+                &Vec::new()
             } else {
-                self.meshes[instance.mesh.0].part_boxes()
+                parts_of.entry(instance.mesh.0).or_insert_with(|| self.meshes[instance.mesh.0].part_boxes())
             };
             if parts.len() > 1 {
                 let placed = |part: &Bounds| {
@@ -132,7 +133,7 @@ mod tests {
 
     #[test]
     fn a_box_has_eight_corners() {
-        let corners: Vec<Vec3> = Bounds { min: Vec3::ZERO, max: Vec3::ONE }.corners().collect();
+        let corners = Bounds { min: Vec3::ZERO, max: Vec3::ONE }.corners();
         for x in [0.0, 1.0] {
             for y in [0.0, 1.0] {
                 for z in [0.0, 1.0] {

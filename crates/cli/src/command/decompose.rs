@@ -22,14 +22,14 @@ pub struct DecomposeArgs {
     #[arg(value_name = "ENV")]
     environment: String,
 
-    /// How to fit lights: disks, squares, rectangles, partition or samples (see gnomon info)
+    /// How to fit lights: disks, squares, rectangles, partition, optimized or samples (see gnomon info)
     #[arg(long, value_name = "METHOD", default_value = "disks")]
     method: String,
 
     #[command(flatten)]
     fit: FitArgs,
 
-    /// For scenes that stand on a ground, which little light from below reaches: a partition of fewer than 48 lights spends few of
+    /// For scenes that stand on a ground, which little light from below reaches: a partition, optimized or not, of fewer than 48 lights spends few of
     /// them there
     #[arg(long)]
     above_ground: bool,

@@ -8,8 +8,8 @@ use crate::options::FitArgs;
 /// How the GPU draws. What is not given is the scene file's, or else the default.
 #[derive(Args, Clone, Debug)]
 pub struct GpuArgs {
-    /// How to fit lights to the environment: disks, squares, rectangles, partition, samples (see gnomon info), or none for
-    /// ambient light only [default: partition]
+    /// How to fit lights to the environment: disks, squares, rectangles, partition, optimized, samples (see gnomon info), or
+    /// none for ambient light only [default: partition]
     #[arg(long, value_name = "METHOD")]
     lights: Option<String>,
 

@@ -10,9 +10,9 @@ const DEAD_BAND: (f64, f64) = (0.92, 1.03);
 const HOLD: u32 = 8;
 /// Frames over budget before there is less detail.
 const FRAMES_OVER: u32 = 3;
-/// Frames under budget before there is more, at first and at most: doubled whenever more turned out to be too much. A frame counts
-/// once for every such share of the budget that is left below the dead band.
+/// Frames under budget before there is more, at first and at most: doubled whenever more turned out to be too much.
 const PATIENCE: (u32, u32) = (4, 512);
+/// A frame counts once towards [`PATIENCE`] for every such share of the budget that is left below the dead band.
 const LEFT: f64 = 0.03;
 /// Frames within which less detail after more counts as that.
 const REGRET: u32 = 40;
