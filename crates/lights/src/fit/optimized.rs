@@ -79,7 +79,6 @@ impl LightFit for Optimized {
         parameters.insert("face_size".into(), json!(FACE_SIZE));
         parameters.insert("max_extent".into(), json!(self.options.max_extent));
         parameters.insert("ground".into(), json!(self.options.ground));
-        parameters.insert("steps".into(), json!(STEPS));
         parameters
     }
 
@@ -91,14 +90,17 @@ impl LightFit for Optimized {
         check_map(map)?;
         let faces = Faces::new(map, FACE_SIZE);
         let parts = divided(&faces, &self.options);
-        let mut lights = if (1..=MOST_LIGHTS).contains(&parts.len()) {
+        let is_optimized = (1..=MOST_LIGHTS).contains(&parts.len());
+        let mut lights = if is_optimized {
             let max_extent = self.options.max_extent.map_or(FRAC_PI_2, f64::from).min(FRAC_PI_2);
             optimized(&faces, &parts, (0.5 * max_extent).tan(), WIDTH_WEIGHT)
         } else {
             parts.iter().map(|part| Faces::light_between(part.face, part.min, part.max, part.flux)).collect()
         };
         lights.sort_by(|a, b| luminance(b.flux()).total_cmp(&luminance(a.flux())));
-        Ok(LightSet::without_residual(self.name(), self.parameters(), lights, map))
+        let mut parameters = self.parameters();
+        parameters.insert("steps".into(), json!(if is_optimized { STEPS } else { 0 }));
+        Ok(LightSet::without_residual(self.name(), parameters, lights, map))
     }
 }
 
