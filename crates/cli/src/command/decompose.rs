@@ -29,8 +29,8 @@ pub struct DecomposeArgs {
     #[command(flatten)]
     fit: FitArgs,
 
-    /// For scenes that stand on a ground, which little light from below reaches: a partition, optimized or not, of fewer than 48 lights spends few of
-    /// them there
+    /// For scenes that stand on a ground, which little light from below reaches: a partition of fewer than 48 lights, optimized or
+    /// not, spends few of them there
     #[arg(long)]
     above_ground: bool,
 

@@ -50,7 +50,7 @@ pub fn cells(map: &Equirect, options: &FitOptions) -> Result<Vec<DistantLight>, 
     check("partition", options)?;
     check_map(map)?;
     let divided = divided(&Faces::new(map, FACE_SIZE), options);
-    Ok(divided.iter().map(|part| Faces::light_between(part.face, part.min, part.max, part.flux)).collect())
+    Ok(divided.iter().map(Part::light).collect())
 }
 
 /// What stands for a cell: opposite corners on its face, from -1 to 1, and flux.
@@ -59,6 +59,12 @@ pub(super) struct Part {
     pub(super) min: DVec2,
     pub(super) max: DVec2,
     pub(super) flux: DVec3,
+}
+
+impl Part {
+    pub(super) fn light(&self) -> DistantLight {
+        Faces::light_between(self.face, self.min, self.max, self.flux)
+    }
 }
 
 /// The lights of [`cells`], for faces of [`FACE_SIZE`] texels and options that [`check`] lets pass.

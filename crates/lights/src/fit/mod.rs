@@ -22,7 +22,6 @@ pub use cells::cells;
 pub use disks::Disks;
 pub use error::FitError;
 pub(crate) use faces::luminance;
-pub use optimized::Optimized;
 pub use options::{FitOptions, MAX_LIGHTS};
 pub use partition::Partition;
 pub use rectangles::{Outline, Rectangles};
@@ -73,7 +72,11 @@ pub fn methods() -> &'static [Method] {
         Method { name: "squares", summary: rectangles::SUMMARY_SQUARES, build: rectangles::build_squares },
         Method { name: "rectangles", summary: rectangles::SUMMARY, build: rectangles::build_rectangles },
         Method { name: "partition", summary: partition::SUMMARY, build: partition::build },
-        Method { name: "optimized", summary: optimized::SUMMARY, build: optimized::build },
+        Method {
+            name: "optimized",
+            summary: partition::SUMMARY_OPTIMIZED,
+            build: partition::build_optimized,
+        },
         Method { name: "samples", summary: samples::SUMMARY, build: samples::build },
     ]
 }

@@ -1,24 +1,18 @@
-use std::f64::consts::FRAC_PI_2;
+//! Lights of least error behind edges, near to those of a partition.
 
 use glam::{DQuat, DVec2, DVec3, Vec2};
-use gnomon_envmap::{CubeMap, Equirect};
+use gnomon_envmap::CubeMap;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
 
-use super::cells::{FACE_SIZE, LEAST_HALF_WIDTH, LIGHT_COUNT, Part, check, divided, heeds_ground};
+use super::cells::{FACE_SIZE, LEAST_HALF_WIDTH, Part};
 use super::edge_error::Points;
-use super::error::check_map;
 use super::faces::{Faces, luminance};
-use super::{FitError, FitOptions, LightFit};
-use crate::{DistantLight, LightSet};
-
-pub(super) const SUMMARY: &str =
-    "a partition's rectangles, moved, sized and coloured for least error behind shadows' edges";
+use crate::DistantLight;
 
 /// Numbers of lights up to which lights are optimised: time grows with the square, and what there is to gain falls.
-const MOST_LIGHTS: usize = 256;
+pub(super) const MOST_LIGHTS: usize = 256;
 /// Steps downhill. Twice as many change pictures by a fiftieth.
-const STEPS: usize = 100;
+pub(super) const STEPS: usize = 100;
 /// Length of the first step [rad]; they shorten evenly to nothing.
 const FIRST_STEP: f64 = 0.01;
 /// How much larger steps of a light's widths are: relative.
@@ -38,71 +32,9 @@ const POINTS_PER_SIDE: usize = 3;
 const COARSEST: usize = 8;
 /// Largest share of the whole flux that one point stands for, unless it is a single texel, as a share of a light's mean flux.
 const LARGEST_SHARE: f64 = 0.15;
-/// Weight of lights' widths: shadows of wide lights are the least exact. Without it pictures with 30 lights are off by a twelfth more, with
-/// twice as much by as much; edges of exact shadows are wrong by less the smaller it is.
-const WIDTH_WEIGHT: f64 = 1.0;
-
-/// Uniform rectangles that hold all of the map's flux, strongest first, and may overlap: the residual is black.
-///
-/// Starts from [`cells`](super::cells()) and makes the mean squared error of irradiance behind a straight edge small: every light moves and
-/// changes its two widths by gradient descent, and its colour is the best one, solved for. Each channel is then scaled, by next to
-/// nothing, to the map's flux. More than 256 lights are left as they start.
-///
-/// The pictures of [`Partition`](super::Partition)'s documentation are off by 0.020 with 30 lights above a ground and by 0.017 with 60.
-/// The fit takes ten times as long: 0.4 s for 60 lights on two cores.
-#[derive(Clone, Debug)]
-pub struct Optimized {
-    options: FitOptions,
-}
-
-pub(super) fn build(options: &FitOptions) -> Result<Box<dyn LightFit>, FitError> {
-    Ok(Box::new(Optimized::new(options)?))
-}
-
-impl Optimized {
-    /// The options of [`cells`](super::cells()); there is no threshold.
-    pub fn new(options: &FitOptions) -> Result<Self, FitError> {
-        check("optimized", options)?;
-        let light_count = options.light_count.or(Some(LIGHT_COUNT));
-        Ok(Self { options: FitOptions { light_count, ground: heeds_ground(options), ..*options } })
-    }
-}
-
-impl LightFit for Optimized {
-    fn name(&self) -> &'static str {
-        "optimized"
-    }
-
-    fn parameters(&self) -> Map<String, Value> {
-        let mut parameters = Map::new();
-        parameters.insert("light_count".into(), json!(self.options.light_count));
-        parameters.insert("face_size".into(), json!(FACE_SIZE));
-        parameters.insert("max_extent".into(), json!(self.options.max_extent));
-        parameters.insert("ground".into(), json!(self.options.ground));
-        parameters
-    }
-
-    fn heeds_ground(&self) -> bool {
-        self.options.ground
-    }
-
-    fn fit(&self, map: &Equirect) -> Result<LightSet, FitError> {
-        check_map(map)?;
-        let faces = Faces::new(map, FACE_SIZE);
-        let parts = divided(&faces, &self.options);
-        let is_optimized = (1..=MOST_LIGHTS).contains(&parts.len());
-        let mut lights = if is_optimized {
-            let max_extent = self.options.max_extent.map_or(FRAC_PI_2, f64::from).min(FRAC_PI_2);
-            optimized(&faces, &parts, (0.5 * max_extent).tan(), WIDTH_WEIGHT)
-        } else {
-            parts.iter().map(|part| Faces::light_between(part.face, part.min, part.max, part.flux)).collect()
-        };
-        lights.sort_by(|a, b| luminance(b.flux()).total_cmp(&luminance(a.flux())));
-        let mut parameters = self.parameters();
-        parameters.insert("steps".into(), json!(if is_optimized { STEPS } else { 0 }));
-        Ok(LightSet::without_residual(self.name(), parameters, lights, map))
-    }
-}
+/// Weight of lights' widths: shadows of wide lights are the least exact. Without it pictures with 30 lights are off by a twelfth more,
+/// and twice the weight changes little; the smaller it is, the less are edges of exact shadows wrong.
+pub(super) const WIDTH_WEIGHT: f64 = 1.0;
 
 /// A light while it changes.
 #[derive(Clone, Copy, Debug)]
@@ -211,7 +143,12 @@ impl Patch {
 }
 
 /// As many lights of least error near to those that parts of faces give. `max_half` is the tangent of the largest half angle.
-fn optimized(faces: &Faces, parts: &[Part], max_half: f64, width_weight: f64) -> Vec<DistantLight> {
+pub(super) fn optimized(
+    faces: &Faces,
+    parts: &[Part],
+    max_half: f64,
+    width_weight: f64,
+) -> Vec<DistantLight> {
     let whole: DVec3 = faces.flux.iter().flatten().sum();
     let scale = luminance(whole).recip();
     let sky = sky(faces, scale, LARGEST_SHARE / parts.len() as f64);
@@ -328,10 +265,13 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use glam::Vec3;
+    use gnomon_envmap::Equirect;
     use gnomon_image::RgbImage;
 
+    use super::super::cells::divided;
+    use super::super::{FitOptions, by_name};
     use super::*;
-    use crate::LightShape;
+    use crate::{LightSet, LightShape};
 
     fn map(f: impl FnMut(u32, u32) -> Vec3) -> Equirect {
         Equirect::new(RgbImage::from_fn(128, 64, f))
@@ -348,7 +288,7 @@ mod tests {
     }
 
     fn fitted(method: &str, map: &Equirect, options: &FitOptions) -> LightSet {
-        super::super::by_name(method, options).unwrap().fit(map).unwrap()
+        by_name(method, options).unwrap().fit(map).unwrap()
     }
 
     /// Directions that a light covers evenly, with their share of its flux.
