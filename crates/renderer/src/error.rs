@@ -81,6 +81,17 @@ pub enum RenderError {
         /// The driver's words.
         reason: String,
     },
+    /// What was drawn is no picture.
+    #[error(
+        "{pixels} pixels of the picture are NaN or infinite: a camera, material or light is, or the driver of adapter {adapter} is at \
+         fault; choose another with --adapter"
+    )]
+    NotFinite {
+        /// How many pixels.
+        pixels: usize,
+        /// Adapter name.
+        adapter: String,
+    },
     /// A shader could not be put together: a fault of this library.
     #[error(transparent)]
     Shader(#[from] gnomon_shaders::ShaderError),

@@ -4,11 +4,11 @@
 mod common;
 
 use common::{constant_map, gpu_or_skip, horizontal, no_light, one_disk, scene_of, sphere};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Affine2, DVec3, Vec2, Vec3};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, shadow};
-use gnomon_scene::{Camera, Material, Scene};
+use gnomon_scene::{Camera, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 
 const SIZE: u32 = 64;
 
@@ -188,4 +188,36 @@ fn every_view_draws_without_lights_maps_or_triangles() {
             }
         }
     }
+}
+
+#[test]
+fn a_face_whose_texture_coordinates_stay_the_same_has_one_texel_s_colour() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    // A palette: as a face of a low-polygon model uses it.
+    let palette = (0..64_u8).map(|i| [4 * i, 255 - 4 * i, 128, 255]).collect();
+    let texture = Texture { width: 8, height: 8, rgba8: palette, wrap: [Wrap::Repeat; 2], nearest: false };
+    let mut mesh = horizontal(Vec2::splat(-4.0), Vec2::splat(4.0), 0.0);
+    mesh.uvs[0] = vec![Vec2::new(2.5, 5.5) / 8.0; mesh.positions.len()];
+    let reference = TextureRef { texture: TextureId(0), uv_from_mesh: Affine2::IDENTITY, set: 0 };
+    let mut material = Material { base_color_texture: Some(reference), ..Default::default() };
+    material.surface.base_color = Vec3::ONE;
+    let mut scene = scene_of(vec![mesh], material);
+    scene.textures.push(texture);
+    let mut renderer = renderer(&gpu, settings(), &scene, &one_disk(Vec3::Y, 0.3));
+    let camera = Camera::look_at(Vec3::new(0.0, 3.0, 3.0), Vec3::ZERO, 0.6);
+    let shown = shown(&mut renderer, &camera, ("base-color", 0), [SIZE, SIZE]);
+    assert_near(shown(32, 32), [4 * 42, 255 - 4 * 42, 128]);
+}
+
+#[test]
+fn a_picture_that_is_none_is_an_error() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut material = Material::default();
+    material.surface.base_color.y = f32::NAN;
+    let scene = scene_of(vec![sphere()], material);
+    let mut renderer = renderer(&gpu, settings(), &scene, &one_disk(Vec3::Y, 0.3));
+    let Err(RenderError::NotFinite { pixels, .. }) = renderer.render(&from_front(), SIZE, SIZE) else {
+        panic!("a picture");
+    };
+    assert!((200..2000).contains(&pixels), "{pixels}: as many as show the sphere");
 }

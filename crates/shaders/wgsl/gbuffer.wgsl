@@ -68,19 +68,32 @@ fn texture_uv(index: u32, uvs: vec4f) -> vec2f {
     return vec2f(dot(row_u.xyz, uv), dot(row_v.xyz, uv));
 }
 
+// Least change of texture coordinates from pixel to pixel: far below a texel. Where they do not change at all, some drivers that filter
+// anisotropically divide by zero (lavapipe 25).
+const LEAST_UV_STEP: f32 = 1e-6;
+
+fn uv_step(change: vec2f) -> vec2f {
+    // Texels of a part lie a whole pixel apart, its samples do not.
+    let step = change / f32(view.interleave);
+    return select(vec2f(LEAST_UV_STEP, 0.0), step, dot(step, step) > LEAST_UV_STEP * LEAST_UV_STEP);
+}
+
+// Of texture `index`.
+fn texel(image: texture_2d<f32>, filtering: sampler, index: u32, uvs: vec4f) -> vec4f {
+    let uv = texture_uv(index, uvs);
+    return textureSampleGrad(image, filtering, uv, uv_step(dpdx(uv)), uv_step(dpdy(uv)));
+}
+
 @fragment
 fn gbuffer_fragment(surface: Varying) -> GBufferSample {
-    // Texels of a part lie a whole pixel apart, its samples do not.
-    let level_bias = -log2(f32(view.interleave));
-    let base_color = material.base_color * surface.color
-        * textureSampleBias(base_color_texture, base_color_sampler, texture_uv(0u, surface.uvs), level_bias);
-    let metallic_roughness =
-        textureSampleBias(metallic_roughness_texture, metallic_roughness_sampler, texture_uv(1u, surface.uvs), level_bias);
-    let normal_texel = textureSampleBias(normal_texture, normal_sampler, texture_uv(2u, surface.uvs), level_bias).xyz;
-    let specular = material.specular * textureSampleBias(specular_texture, specular_sampler, texture_uv(3u, surface.uvs), level_bias).a;
-    let specular_color = material.specular_color
-        * textureSampleBias(specular_color_texture, specular_color_sampler, texture_uv(4u, surface.uvs), level_bias).rgb;
-    let emissive = material.emissive * textureSampleBias(emissive_texture, emissive_sampler, texture_uv(5u, surface.uvs), level_bias).rgb;
+    let base_color =
+        material.base_color * surface.color * texel(base_color_texture, base_color_sampler, 0u, surface.uvs);
+    let metallic_roughness = texel(metallic_roughness_texture, metallic_roughness_sampler, 1u, surface.uvs);
+    let normal_texel = texel(normal_texture, normal_sampler, 2u, surface.uvs).xyz;
+    let specular = material.specular * texel(specular_texture, specular_sampler, 3u, surface.uvs).a;
+    let specular_color =
+        material.specular_color * texel(specular_color_texture, specular_color_sampler, 4u, surface.uvs).rgb;
+    let emissive = material.emissive * texel(emissive_texture, emissive_sampler, 5u, surface.uvs).rgb;
     let across = dpdx(surface.position_world);
     let down = dpdy(surface.position_world);
     if base_color.a < material.alpha_cutoff {

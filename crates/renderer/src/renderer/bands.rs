@@ -56,7 +56,8 @@ impl Renderer {
     /// samples it is drawn in bands of rows, each with shadow maps of its own; [`Renderer::display_view`] then shows the last one.
     ///
     /// # Errors
-    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed.
+    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
+    /// [`RenderError::NotFinite`] where it drew what is no picture.
     pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
         self.check_size([width, height])?;
         self.render_bands(camera, [width, height], &self.bands([width, height]))
@@ -83,6 +84,10 @@ impl Renderer {
             let kept = texels.iter().skip(before).take(count);
             radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
             display.extend(bytes.into_iter().skip(before).take(count));
+        }
+        let pixels = radiance.iter().filter(|radiance| !radiance.is_finite()).count();
+        if pixels > 0 {
+            return Err(RenderError::NotFinite { pixels, adapter: self.gpu.adapter().name.clone() });
         }
         let radiance = RgbImage::from_texels(width, height, radiance)
             .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
