@@ -27,8 +27,8 @@ const CANDIDATES: f64 = 0.1;
 const WEBER: f32 = 0.02;
 /// Responses this close, relative to the map's flux, count as equal.
 const TIE: f64 = 1e-10;
-/// Columns of the grid on which candidates compete, and of the one on which the winner is placed.
-const COARSE_WIDTH: usize = 256;
+/// Least and most columns of the grid on which candidates compete, and most of the one on which the winner is placed.
+const COARSE_WIDTH: (usize, usize) = (128, 256);
 const FINE_WIDTH: usize = 1024;
 
 /// Disk lights by a centre-surround filter on the sphere (Arbree, Walter and Bala 2005, section 3).
@@ -189,8 +189,10 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(map: &Equirect, sizes: &'a [FilterSize]) -> Self {
-        let fine_width = (map.width() as usize).clamp(COARSE_WIDTH, FINE_WIDTH);
-        let coarse = SphereGrid::from_map(map, COARSE_WIDTH, COARSE_WIDTH / 2);
+        // No more columns than the map's, where it has enough: candidates within one texel would tie.
+        let coarse_width = (map.width() as usize).clamp(COARSE_WIDTH.0, COARSE_WIDTH.1);
+        let fine_width = (map.width() as usize).clamp(COARSE_WIDTH.1, FINE_WIDTH);
+        let coarse = SphereGrid::from_map(map, coarse_width, coarse_width / 2);
         let fine = SphereGrid::from_map(map, fine_width, fine_width / 2);
         let total = coarse.total();
         let mut search =
