@@ -29,7 +29,7 @@ impl View {
         let map = envmap::builtin::by_name("room").ok_or("no such environment")?;
         let mut renderer = Renderer::new(&gpu, RenderSettings { samples: 1, ..Default::default() })?;
         renderer.set_scene(&scene::builtin::by_name("three-boxes")?)?;
-        renderer.set_lighting(&map, &fit::by_name("partition", &fit::FitOptions::default())?.fit(&map)?)?;
+        renderer.set_lighting(&map, &fit::by_name("optimized", &fit::FitOptions::default())?.fit(&map)?)?;
         Ok(Self { window, surface, config, renderer, presenter, angle: 0.0 })
     }
 

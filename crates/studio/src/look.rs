@@ -64,10 +64,11 @@ pub struct FitLook {
 }
 
 impl Default for FitLook {
-    /// The fit that leaves no light unshadowed, so that the picture's error stays small under every environment measured.
+    /// A fit that leaves no light unshadowed, so that the picture's error stays small under every environment measured, and the one that
+    /// does it with the fewest lights.
     fn default() -> Self {
         Self {
-            method: "partition".to_owned(),
+            method: "optimized".to_owned(),
             light_count: None,
             threshold: None,
             max_extent: None,

@@ -13,7 +13,7 @@ use crate::{BenchError, Experiment, Lab};
 pub(super) struct TurningEnvironment;
 
 /// The fit that is the renderer's default.
-const FIT: &str = "partition";
+const FIT: &str = "optimized";
 
 /// A frame after a turn may take this many times the median frame.
 const MOST_HITCH: f64 = 2.0;

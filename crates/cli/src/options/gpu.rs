@@ -9,7 +9,7 @@ use crate::options::FitArgs;
 #[derive(Args, Clone, Debug)]
 pub struct GpuArgs {
     /// How to fit lights to the environment: disks, squares, rectangles, partition, optimized, samples (see gnomon info), or
-    /// none for ambient light only [default: partition]
+    /// none for ambient light only [default: optimized]
     #[arg(long, value_name = "METHOD")]
     lights: Option<String>,
 

@@ -10,7 +10,7 @@ use super::faces::{Faces, luminance};
 use crate::DistantLight;
 
 /// Numbers of lights up to which lights are optimised: time grows with the square, and what there is to gain falls.
-pub(super) const MOST_LIGHTS: usize = 256;
+pub(super) const MOST_LIGHTS: usize = 128;
 /// Steps downhill. With 100 of them, shorter ones, the error is 7 % less.
 pub(super) const STEPS: usize = 60;
 /// The first of these integrate over lights with fewer points.
