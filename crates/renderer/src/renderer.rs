@@ -1,5 +1,4 @@
 use glam::{Mat4, Quat};
-use std::ops::Range;
 
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
@@ -35,6 +34,7 @@ mod lit;
 mod live;
 mod materials;
 
+use bands::Band;
 use lit::Lit;
 
 /// One finished picture.
@@ -217,13 +217,15 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws so many rows of a picture of `width` x `height` pixels, top row first, without waiting for them.
-    fn submit_rows(
+    /// Draws the rows of a band of a picture of `width` x `height` pixels, top row first, without waiting for them.
+    fn submit_band(
         &mut self,
         camera: &Camera,
         [width, height]: [u32; 2],
-        rows: Range<u32>,
+        band: &Band,
     ) -> Result<Vec<PassTiming>, RenderError> {
+        let rows = band.drawn.clone();
+        let is_first = band.kept.start == 0;
         let gpu = &self.gpu;
         gpu.check()?;
         let size = [width, rows.len() as u32];
@@ -240,7 +242,9 @@ impl Renderer {
         self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
 
         let mut recorder = Recorder::new(gpu, self.settings.profile);
-        self.passes.transform.encode(&mut recorder, &self.geometry);
+        if is_first {
+            self.passes.transform.encode(&mut recorder, &self.geometry);
+        }
         recorder.end_pass("transform")?;
         self.passes.gbuffer.encode(
             &mut recorder,
@@ -260,6 +264,7 @@ impl Renderer {
             &lit.frame_groups,
             gbuffer_group,
             &target.points,
+            is_first,
         )?;
         let (mut exposure, mut tone_mapping) = (self.settings.exposure_ev, self.settings.tone_mapping);
         if let Some(debug) = &self.debug {
@@ -267,7 +272,9 @@ impl Renderer {
             recorder.end_pass("debug view")?;
             (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
         } else {
-            self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
+            if is_first {
+                self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
+            }
             recorder.end_pass("radiance cache")?;
             let groups =
                 [&lit.environment.compose, gbuffer_group, &target.points.compose_group, &target.sample_group];

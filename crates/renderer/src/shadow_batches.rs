@@ -214,7 +214,8 @@ impl ShadowBatches {
         }
     }
 
-    /// Draws and filters maps and sums light batch after batch.
+    /// Draws and filters maps and sums light batch after batch. Another band of a picture finds the maps as the first one left them, but for
+    /// those of batches that take turns.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
@@ -223,14 +224,20 @@ impl ShadowBatches {
         frame_groups: &[wgpu::BindGroup],
         gbuffer_group: &wgpu::BindGroup,
         points: &ShadingPoints,
+        is_first_band: bool,
     ) -> Result<(), RenderError> {
         let (shadow_map, light) = passes;
         for (batch, frame_group) in self.batches.iter().zip(frame_groups) {
             let class = &self.classes[batch.class];
-            let maps = &class.depth_maps;
-            self.draw_maps(recorder, shadow_map, geometry, batch);
+            let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
+            let needs_maps = is_first_band || takes_turns;
+            if needs_maps {
+                self.draw_maps(recorder, shadow_map, geometry, batch);
+            }
             recorder.end_pass("shadow maps")?;
-            class.shadows.encode(recorder, maps.capacity.min(batch.members.len() as u32));
+            if needs_maps {
+                class.shadows.encode(recorder, class.depth_maps.capacity.min(batch.members.len() as u32));
+            }
             recorder.end_pass("shadow filter")?;
             light.encode(recorder, [frame_group, gbuffer_group, class.shadows.bind_group()], points);
             recorder.end_pass("light")?;

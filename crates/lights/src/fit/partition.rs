@@ -16,7 +16,7 @@ pub(super) const SUMMARY_OPTIMIZED: &str =
     "a partition's rectangles, moved, sized and coloured for least error behind shadows' edges";
 
 /// Number of optimised lights unless told otherwise: pictures are as right as with [`LIGHT_COUNT`] of a partition.
-const OPTIMIZED_COUNT: usize = 40;
+const OPTIMIZED_COUNT: usize = 48;
 
 /// Uniform rectangles that hold all of the map's flux, strongest first: the residual is black. See [`cells`](super::cells()).
 ///

@@ -15,9 +15,15 @@ use crate::{RenderError, shading_points};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Band {
     /// With the neighbours that samples near the edge look at.
-    drawn: Range<u32>,
+    pub(super) drawn: Range<u32>,
     /// Of these: the part that becomes the picture's.
-    kept: Range<u32>,
+    pub(super) kept: Range<u32>,
+}
+
+impl Band {
+    fn whole(height: u32) -> Self {
+        Self { drawn: 0..height, kept: 0..height }
+    }
 }
 
 /// A picture of `height` rows in bands of `kept` rows that overlap by `overlap`, both whole multiples of a tile.
@@ -44,7 +50,7 @@ impl Renderer {
         let overlap = (2 * sampling).div_ceil(samples).next_multiple_of(sampling);
         let tiles = (1..=height.div_ceil(sampling)).rev();
         let most = || tiles.map(|tiles| tiles * sampling).find(|rows| fits(rows + 2 * overlap));
-        let whole = Band { drawn: 0..height, kept: 0..height };
+        let whole = Band::whole(height);
         if self.debug.is_some() || fits(height) {
             return vec![whole];
         }
@@ -53,7 +59,7 @@ impl Renderer {
     }
 
     /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
-    /// samples it is drawn in bands of rows, each with shadow maps of its own; [`Renderer::display_view`] then shows the last one.
+    /// samples it is drawn in bands of rows; [`Renderer::display_view`] then shows the last one.
     ///
     /// # Errors
     /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
@@ -71,7 +77,7 @@ impl Renderer {
     ) -> Result<Frame, RenderError> {
         let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
         for band in bands {
-            add(&mut timings, self.submit_rows(camera, [width, height], band.drawn.clone())?);
+            add(&mut timings, self.submit_band(camera, [width, height], band)?);
             self.gpu.wait()?;
             let Some(target) = &self.target else {
                 return Err(RenderError::Device("no frame was drawn".to_owned()));
@@ -103,7 +109,7 @@ impl Renderer {
         self.check_size([width, height])?;
         let mut timings = Vec::new();
         for band in self.bands([width, height]) {
-            add(&mut timings, self.submit_rows(camera, [width, height], band.drawn)?);
+            add(&mut timings, self.submit_band(camera, [width, height], &band)?);
             self.gpu.wait()?;
         }
         Ok(timings)
@@ -121,7 +127,7 @@ impl Renderer {
         height: u32,
     ) -> Result<Vec<PassTiming>, RenderError> {
         self.check_size([width, height])?;
-        self.submit_rows(camera, [width, height], 0..height)
+        self.submit_band(camera, [width, height], &Band::whole(height))
     }
 
     /// Waits until everything that was submitted is drawn.
@@ -175,11 +181,19 @@ mod tests {
         let map = gnomon_envmap::builtin::sized("room", 128, 64).unwrap();
         let options = FitOptions { light_count: Some(8), ..FitOptions::default() };
         let lights = by_name("partition", &options).unwrap().fit(&map).unwrap();
-        for sampling in [1, 2, 4] {
-            let settings = RenderSettings { shadow_sampling: sampling, ..RenderSettings::default() };
+        // With 1 MiB for maps, batches of lights take turns.
+        for (sampling, shadows, memory) in [(1, "pcss", 64), (2, "convolution", 64), (4, "pcss", 1)] {
+            let settings = RenderSettings {
+                shadow_sampling: sampling,
+                shadows: shadows.to_owned(),
+                shadow_memory_bytes: memory << 20,
+                shadow_sizing: crate::ShadowSizing::Uniform,
+                ..RenderSettings::default()
+            };
             let mut renderer = Renderer::new(&gpu, settings).unwrap();
             renderer.set_scene(&scene).unwrap();
             renderer.set_lighting(&map, &lights).unwrap();
+            assert_eq!(renderer.lighting.as_ref().unwrap().batches.len() > 1, memory == 1);
             let size = [64, 50];
             let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
             let mut differences = |overlap: u32| {
