@@ -262,8 +262,7 @@ impl Renderer {
             (&self.passes.shadow_map, &lit.light),
             &self.geometry,
             &lit.frame_groups,
-            gbuffer_group,
-            &target.points,
+            (gbuffer_group, &target.points),
             is_first,
         )?;
         let (mut exposure, mut tone_mapping) = (self.settings.exposure_ev, self.settings.tone_mapping);

@@ -222,8 +222,7 @@ impl ShadowBatches {
         passes: (&ShadowMapPass, &LightPass),
         geometry: &Geometry,
         frame_groups: &[wgpu::BindGroup],
-        gbuffer_group: &wgpu::BindGroup,
-        points: &ShadingPoints,
+        (gbuffer_group, points): (&wgpu::BindGroup, &ShadingPoints),
         is_first_band: bool,
     ) -> Result<(), RenderError> {
         let (shadow_map, light) = passes;
