@@ -1,6 +1,9 @@
 //! Boxes around what casts and receives shadows.
 
+use std::ops::Range;
+
 use glam::{Affine3A, Vec3};
+use gnomon_lights::{DistantLight, LightShape};
 use gnomon_scene::{Bounds, SUNKEN};
 
 /// What lies so far on the other side of a plane lies in it, as a share of the longest side of the box around everything.
@@ -10,6 +13,8 @@ const IN_PLANE: f32 = 1e-4;
 #[derive(Clone, Debug)]
 pub(crate) struct InstanceBox {
     pub bounds: Bounds,
+    /// Of these triangles alone, where they lie side by side.
+    pub indices: Option<Range<u32>>,
     pub instance: usize,
     pub world_from_mesh: Affine3A,
 }
@@ -52,6 +57,7 @@ pub(crate) struct PlacedBoxes {
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedBox {
     pub corners: [Vec3; 8],
+    pub indices: Option<Range<u32>>,
     /// Where it is flat and everything else lies on one side of it.
     pub ground: Option<Ground>,
 }
@@ -71,6 +77,18 @@ impl Ground {
     /// who looks at that side.
     pub fn bears_towards(&self, towards: Vec3) -> bool {
         self.bears[usize::from(self.normal.dot(towards) < 0.0)]
+    }
+
+    /// Whether it blocks no part of the light for what it bears: all of the outline lies on that side.
+    fn blocks_nothing_of(&self, light: &DistantLight) -> bool {
+        let up = self.normal * self.normal.dot(light.direction).signum();
+        let is_above = match light.shape {
+            LightShape::Disk { angular_radius } => {
+                up.dot(light.direction).clamp(-1.0, 1.0).asin() > angular_radius
+            }
+            LightShape::Rectangle { corners } => corners.iter().all(|corner| up.dot(*corner) > 0.0),
+        };
+        is_above && self.bears_towards(light.direction)
     }
 }
 
@@ -92,9 +110,25 @@ impl PlacedBoxes {
             });
             bears.contains(&true).then_some(Ground { center, normal, bears })
         };
-        let placed =
-            |(index, corners): (usize, &[Vec3; 8])| PlacedBox { corners: *corners, ground: ground(index) };
+        let placed = |(index, corners): (usize, &[Vec3; 8])| PlacedBox {
+            corners: *corners,
+            indices: boxes[index].indices.clone(),
+            ground: ground(index),
+        };
         Self { boxes: corners.iter().enumerate().map(placed).collect(), tolerance }
+    }
+
+    /// Of the indices up to `end` those of what can cast a shadow of the light: a kernel that reached a ground below a wall would take it
+    /// for a blocker.
+    pub fn casters(&self, light: &DistantLight, end: u32) -> Vec<Range<u32>> {
+        let blocks_nothing =
+            |place: &&PlacedBox| place.ground.is_some_and(|ground| ground.blocks_nothing_of(light));
+        let skipped = self.boxes.iter().filter(blocks_nothing).filter_map(|place| place.indices.clone());
+        let mut skipped: Vec<Range<u32>> = skipped.collect();
+        skipped.sort_by_key(|range| range.start);
+        let starts = std::iter::once(0).chain(skipped.iter().map(|range| range.end));
+        let ends = skipped.iter().map(|range| range.start).chain([end]);
+        starts.zip(ends).map(|(start, end)| start..end).filter(|range| !range.is_empty()).collect()
     }
 
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
@@ -117,6 +151,7 @@ mod tests {
         let place = Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2);
         let flat = |max| InstanceBox {
             bounds: Bounds { min: Vec3::ZERO, max },
+            indices: None,
             instance: 0,
             world_from_mesh: place,
         };
@@ -129,7 +164,31 @@ mod tests {
 
     /// An axis-aligned box at its place.
     fn placed(min: Vec3, max: Vec3) -> InstanceBox {
-        InstanceBox { bounds: Bounds { min, max }, instance: 0, world_from_mesh: Affine3A::IDENTITY }
+        let bounds = Bounds { min, max };
+        InstanceBox { bounds, indices: None, instance: 0, world_from_mesh: Affine3A::IDENTITY }
+    }
+
+    #[test]
+    fn a_ground_casts_no_shadow_of_a_light_above_it() {
+        let p = Vec3::new;
+        let ground = InstanceBox { indices: Some(6..12), ..placed(p(-4.0, 0.0, -4.0), p(4.0, 0.0, 4.0)) };
+        let model = InstanceBox { indices: None, ..placed(p(-1.0, 0.0, -1.0), p(1.0, 2.0, 1.0)) };
+        let scene = PlacedBoxes::new(&[ground.clone(), model.clone()]);
+        let of = |scene: &PlacedBoxes, towards: glam::DVec3| {
+            let light = DistantLight::disk(towards.normalize(), 0.3, glam::DVec3::ONE);
+            let drawn = scene.casters(&light, 20);
+            drawn.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+        };
+        let casters = |towards| of(&scene, towards);
+        let d = glam::DVec3::new;
+        assert_eq!(casters(d(0.2, 1.0, 0.0)), [(0, 6), (12, 20)]);
+        for partly_below in [d(1.0, 0.2, 0.0), d(1.0, -0.2, 0.0), d(0.2, -1.0, 0.0)] {
+            assert_eq!(casters(partly_below), [(0, 20)], "{partly_below}");
+        }
+        // Triangles that lie among others, and a ground that something hangs below, are drawn.
+        let mixed = PlacedBoxes::new(&[InstanceBox { indices: None, ..ground.clone() }, model]);
+        let hanging = PlacedBoxes::new(&[ground, placed(p(-1.0, -2.0, -1.0), p(1.0, 2.0, 1.0))]);
+        assert_eq!([&mixed, &hanging].map(|scene| of(scene, d(0.0, 1.0, 0.0))), [[(0, 20)], [(0, 20)]]);
     }
 
     /// Whether the first of both bears the other, up and down.

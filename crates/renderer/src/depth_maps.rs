@@ -1,5 +1,7 @@
 use gnomon_shaders::layout;
 
+use std::ops::Range;
+
 use crate::bindings::{Binding, array_view};
 use crate::geometry::Geometry;
 use crate::recorder::Recorder;
@@ -105,16 +107,16 @@ impl ShadowMapPass {
         gpu.bind_group("shadow map", &self.layout, &[(0, lights.as_entire_binding())])
     }
 
-    /// Draws the maps of a batch of lights; `perspective` tells for each of them whether it sees in perspective.
+    /// Draws the maps of a batch of lights; `views` tells for each of them whether it sees in perspective, and which indices it draws.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         geometry: &Geometry,
         maps: &DepthMaps,
         lights_group: &wgpu::BindGroup,
-        perspective: &[bool],
+        views: impl Iterator<Item = (bool, Vec<Range<u32>>)>,
     ) {
-        for ((light, layer), &perspective) in (0..).zip(&maps.layers).zip(perspective) {
+        for ((light, layer), (perspective, casters)) in (0..).zip(&maps.layers).zip(views) {
             let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -132,7 +134,9 @@ impl ShadowMapPass {
                 pass.set_bind_group(0, lights_group, &[]);
                 pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
                 pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..geometry.index_count, 0, light..light + 1);
+                for indices in casters {
+                    pass.draw_indexed(indices, 0, light..light + 1);
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 
 use glam::{Affine3A, Vec3};
-use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, Pose, Scene, SkinId};
+use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, MeshPart, Pose, Scene, SkinId};
 use gnomon_shaders::layout;
 
 use crate::bindings::Binding;
@@ -102,7 +102,7 @@ impl Geometry {
         let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles as usize);
         let mut ranges: Vec<DrawRange> = Vec::new();
         let mut boxes = Vec::with_capacity(placed.len());
-        let mut parts_of: HashMap<usize, Vec<Bounds>> = HashMap::new();
+        let mut parts_of: HashMap<usize, Vec<MeshPart>> = HashMap::new();
         let mut records = Records::new();
         let mut deformable = Vec::new();
         for (instance, placement) in placed.iter().enumerate() {
@@ -142,16 +142,21 @@ impl Geometry {
                 _ => ranges.push(DrawRange { material, indices: first_index..end }),
             }
             let world_from_mesh = placement.world_from_mesh;
-            let new_box = |bounds| InstanceBox { bounds, instance, world_from_mesh };
+            let new_box = |bounds, indices| InstanceBox { bounds, indices, instance, world_from_mesh };
             if scene.is_deformable(placement) {
                 // Its place is known once the pose is.
                 if !mesh.triangles.is_empty() {
                     deformable.push((boxes.len(), DeformableBoxes::new(mesh, placement.skin.is_some())));
-                    boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
+                    boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, None));
                 }
             } else {
-                let parts = parts_of.entry(placement.mesh.0).or_insert_with(|| mesh.part_boxes());
-                boxes.extend(parts.iter().copied().map(new_box));
+                let parts = parts_of.entry(placement.mesh.0).or_insert_with(|| mesh.parts());
+                let index = |triangle: usize| first_index + 3 * triangle as u32;
+                boxes.extend(parts.iter().map(|part| {
+                    let is_alone = part.triangles.len() == part.count;
+                    let indices = is_alone.then(|| index(part.triangles.start)..index(part.triangles.end));
+                    new_box(part.bounds, indices)
+                }));
             }
         }
         let pose = scene.pose();
@@ -251,8 +256,8 @@ impl Geometry {
             let joints = instance.skin.map(|skin| pose.world_from_bind[skin.0].as_slice());
             let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
             if let Some(((min, max), world_from_mesh)) = around {
-                *place =
-                    InstanceBox { bounds: Bounds { min, max }, instance: place.instance, world_from_mesh };
+                let bounds = Bounds { min, max };
+                *place = InstanceBox { bounds, indices: None, instance: place.instance, world_from_mesh };
             }
         }
         let placed_boxes = PlacedBoxes::new(&boxes);

@@ -179,6 +179,7 @@ mod tests {
     fn boxes() -> PlacedBoxes {
         PlacedBoxes::new(&[InstanceBox {
             bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 3.0, 2.0) },
+            indices: None,
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }])

@@ -166,6 +166,7 @@ mod tests {
     fn boxes() -> Vec<InstanceBox> {
         vec![InstanceBox {
             bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 1.5, 2.0) },
+            indices: None,
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }]
@@ -227,6 +228,7 @@ mod tests {
     #[test]
     fn a_ground_takes_no_part_of_the_map() {
         let ground = InstanceBox {
+            indices: None,
             bounds: Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 0.0, 9.0) },
             instance: 1,
             world_from_mesh: Affine3A::IDENTITY,

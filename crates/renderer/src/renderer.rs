@@ -260,7 +260,7 @@ impl Renderer {
         lit.batches.encode(
             &mut recorder,
             (&self.passes.shadow_map, &lit.light),
-            &self.geometry,
+            (&self.geometry, &lit.lighting),
             &lit.frame_groups,
             (gbuffer_group, &target.points),
             is_first,

@@ -20,6 +20,8 @@ pub(crate) struct ShadowBatches {
     classes: Vec<ClassMaps>,
     batches: Vec<Batch>,
     bytes: u64,
+    /// Whether grounds are drawn where they block nothing.
+    draws_grounds: bool,
 }
 
 /// Maps of one size, for as many lights as a batch has.
@@ -120,7 +122,7 @@ impl ShadowBatches {
                 batches.push(Batch::new(gpu, pass, index, members, perspective, place == 0));
             }
         }
-        Ok(Self { classes, batches, bytes })
+        Ok(Self { classes, batches, bytes, draws_grounds: technique.draws_grounds() })
     }
 
     /// GPU memory of all maps and images in bytes.
@@ -220,7 +222,7 @@ impl ShadowBatches {
         &self,
         recorder: &mut Recorder<'_>,
         passes: (&ShadowMapPass, &LightPass),
-        geometry: &Geometry,
+        scenery: (&Geometry, &Lighting),
         frame_groups: &[wgpu::BindGroup],
         (gbuffer_group, points): (&wgpu::BindGroup, &ShadingPoints),
         is_first_band: bool,
@@ -231,7 +233,7 @@ impl ShadowBatches {
             let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
             let needs_maps = is_first_band || takes_turns;
             if needs_maps {
-                self.draw_maps(recorder, shadow_map, geometry, batch);
+                self.draw_maps(recorder, shadow_map, scenery, batch);
             }
             recorder.end_pass("shadow maps")?;
             if needs_maps {
@@ -249,11 +251,11 @@ impl ShadowBatches {
         &self,
         recorder: &mut Recorder<'_>,
         pass: &ShadowMapPass,
-        geometry: &Geometry,
+        scenery: (&Geometry, &Lighting),
         batch: usize,
     ) {
         if let Some(batch) = self.batches.get(batch) {
-            self.draw_maps(recorder, pass, geometry, batch);
+            self.draw_maps(recorder, pass, scenery, batch);
         }
     }
 
@@ -261,11 +263,18 @@ impl ShadowBatches {
         &self,
         recorder: &mut Recorder<'_>,
         pass: &ShadowMapPass,
-        geometry: &Geometry,
+        (geometry, lighting): (&Geometry, &Lighting),
         batch: &Batch,
     ) {
         let maps = &self.classes[batch.class].depth_maps;
-        pass.encode(recorder, geometry, maps, &batch.lights_group, &batch.perspective);
+        let distant: Vec<&DistantLight> = lighting.lights.iter().chain(&lighting.probes).collect();
+        let end = geometry.index_count;
+        let casters = |place: &usize| match distant.get(*place) {
+            Some(light) if !self.draws_grounds => geometry.placed_boxes.casters(light, end),
+            _ => std::iter::once(0..end).collect(),
+        };
+        let views = batch.perspective.iter().copied().zip(batch.members.iter().map(casters));
+        pass.encode(recorder, geometry, maps, &batch.lights_group, views);
     }
 }
 

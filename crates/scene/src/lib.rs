@@ -29,6 +29,7 @@ pub use load::{
     EnvironmentSettings, EnvironmentSource, Format, LoadOptions, LoadedScene, formats, load, read_sections,
 };
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
+pub use parts::MeshPart;
 pub use pose::{Influences, Instance, MorphTarget, Pose, Skin, WorldVertices};
 pub use reflectance::ReflectanceSettings;
 pub use scene::{Bounds, CameraMount, MaterialId, Mesh, MeshId, Node, NodeId, Scene, SkinId};

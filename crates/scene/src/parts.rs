@@ -1,6 +1,7 @@
 //! The parts of a mesh: a ground that is part of its model's mesh is still known as one.
 
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
 use glam::Vec3;
 
@@ -25,18 +26,42 @@ impl Bounds {
     }
 }
 
+/// Some of a mesh's triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshPart {
+    /// Around them, in the mesh's own space. Morph targets and joints are not in it.
+    pub bounds: Bounds,
+    /// Range of the mesh's triangles that holds them.
+    pub triangles: Range<usize>,
+    /// How many there are: no other lies in that range where it is as long.
+    pub count: usize,
+}
+
+impl MeshPart {
+    fn union(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            triangles: self.triangles.start.min(other.triangles.start)
+                ..self.triangles.end.max(other.triangles.end),
+            count: self.count + other.count,
+        }
+    }
+}
+
 impl Mesh {
-    /// Boxes around the parts of a mesh, in its own space: one for each flat connected part at least half as large as the mesh, such as
-    /// a ground, and one for all the rest. Morph targets and joints are not in them.
-    pub fn part_boxes(&self) -> Vec<Bounds> {
+    /// The parts of a mesh: each flat connected part at least half as large as the mesh, such as a ground, and all the rest as one.
+    pub fn parts(&self) -> Vec<MeshPart> {
         let parts = connected_parts(self);
-        let Some(whole) = parts.iter().copied().reduce(Bounds::union) else { return Vec::new() };
+        let Some(whole) = parts.iter().map(|part| part.bounds).reduce(Bounds::union) else {
+            return Vec::new();
+        };
         let longest_side = |bounds: &Bounds| (bounds.max - bounds.min).max_element();
         let large = 0.5 * longest_side(&whole);
-        let (mut boxes, others): (Vec<_>, Vec<_>) =
-            parts.into_iter().partition(|part| part.flat_axis().is_some() && longest_side(part) >= large);
-        boxes.extend(others.into_iter().reduce(Bounds::union));
-        boxes
+        let is_ground =
+            |part: &MeshPart| part.bounds.flat_axis().is_some() && longest_side(&part.bounds) >= large;
+        let (mut found, others): (Vec<_>, Vec<_>) = parts.into_iter().partition(is_ground);
+        found.extend(others.into_iter().reduce(MeshPart::union));
+        found
     }
 }
 
@@ -50,11 +75,11 @@ impl Scene {
             let parts = if self.is_deformable(&instance) {
                 &Vec::new()
             } else {
-                parts_of.entry(instance.mesh.0).or_insert_with(|| self.meshes[instance.mesh.0].part_boxes())
+                parts_of.entry(instance.mesh.0).or_insert_with(|| self.meshes[instance.mesh.0].parts())
             };
             if parts.len() > 1 {
-                let placed = |part: &Bounds| {
-                    part.corners().map(|corner| instance.world_from_mesh.transform_point3(corner))
+                let placed = |part: &MeshPart| {
+                    part.bounds.corners().map(|corner| instance.world_from_mesh.transform_point3(corner))
                 };
                 boxes.extend(parts.iter().filter_map(|part| Bounds::around(placed(part))));
             } else {
@@ -66,9 +91,9 @@ impl Scene {
     }
 }
 
-/// Boxes of the parts of a mesh whose triangles hang together. Vertices at the same place count as one: loaders split them
+/// The parts of a mesh whose triangles hang together. Vertices at the same place count as one: loaders split them
 /// for their normals.
-fn connected_parts(mesh: &Mesh) -> Vec<Bounds> {
+fn connected_parts(mesh: &Mesh) -> Vec<MeshPart> {
     let mut first_at = HashMap::new();
     let mut parents: Vec<usize> = (mesh.positions.iter().enumerate())
         .map(|(i, position)| *first_at.entry(position.to_array().map(f32::to_bits)).or_insert(i))
@@ -80,12 +105,13 @@ fn connected_parts(mesh: &Mesh) -> Vec<Bounds> {
             parents[other] = root;
         }
     }
-    let mut parts: BTreeMap<usize, Bounds> = BTreeMap::new();
-    for &vertex in mesh.triangles.iter().flatten() {
-        let p = mesh.positions[vertex as usize];
-        let point = Bounds { min: p, max: p };
-        let part = parts.entry(root_of(&mut parents, vertex as usize)).or_insert(point);
-        *part = part.union(point);
+    let mut parts: BTreeMap<usize, MeshPart> = BTreeMap::new();
+    for (index, triangle) in mesh.triangles.iter().enumerate() {
+        let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        let Some(bounds) = Bounds::around(corners) else { continue };
+        let new = MeshPart { bounds, triangles: index..index + 1, count: 1 };
+        let root = root_of(&mut parents, triangle[0] as usize);
+        parts.entry(root).and_modify(|part| *part = part.clone().union(new.clone())).or_insert(new);
     }
     parts.into_values().collect()
 }
@@ -128,7 +154,13 @@ mod tests {
     fn a_ground_within_a_mesh_is_a_box_of_its_own() {
         let ground = Bounds { min: Vec3::new(-4.0, 0.0, -4.0), max: Vec3::new(4.0, 0.0, 4.0) };
         let model = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
-        assert_eq!(ground_and_model().part_boxes(), [ground, model]);
+        let part = |bounds, triangles: Range<usize>| MeshPart { bounds, count: triangles.len(), triangles };
+        assert_eq!(ground_and_model().parts(), [part(ground, 0..2), part(model, 2..5)]);
+        let mut mixed = ground_and_model();
+        mixed.triangles.swap(1, 4);
+        let counts =
+            mixed.parts().iter().map(|part| (part.triangles.clone(), part.count)).collect::<Vec<_>>();
+        assert_eq!(counts, [(0..5, 2), (1..4, 3)]);
     }
 
     #[test]
@@ -146,6 +178,6 @@ mod tests {
 
     #[test]
     fn a_mesh_without_triangles_has_no_box() {
-        assert!(Mesh::default().part_boxes().is_empty());
+        assert!(Mesh::default().parts().is_empty());
     }
 }

@@ -81,7 +81,12 @@ impl Renderer {
     ) {
         let chosen = debug.light_of(lit).and_then(|light| lit.batches.place_of(light));
         if let Some((batch, _)) = chosen.filter(|_| debug.view.reads_map()) {
-            lit.batches.draw_maps_again(recorder, &self.passes.shadow_map, &self.geometry, batch);
+            lit.batches.draw_maps_again(
+                recorder,
+                &self.passes.shadow_map,
+                (&self.geometry, &lit.lighting),
+                batch,
+            );
         }
         let [least, range] = depth_range(camera, self.bounds);
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();

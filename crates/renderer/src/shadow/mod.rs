@@ -52,6 +52,10 @@ pub(crate) trait ShadowTechnique: Sync {
     fn module(&self, _: &ShadowSettings) -> &'static str;
     /// Whether the lights' depth maps are drawn for it.
     fn needs_depth_maps(&self) -> bool;
+    /// Whether grounds are drawn into the maps of lights of which they block nothing, too.
+    fn draws_grounds(&self) -> bool {
+        false
+    }
     /// GPU memory of one light's images at a map resolution, depth map not counted [bytes].
     fn bytes_per_light(&self, _: &ShadowSettings, _resolution: u32) -> u64 {
         0
