@@ -375,3 +375,28 @@ fn a_surface_hides_light_below_it_from_its_own_shading_normals() {
         assert!(below <= tolerances::LIGHT_LEAK && above >= 1.0 - tolerances::LIGHT_LEAK, "{shadows}");
     }
 }
+
+#[test]
+fn a_wall_that_stands_on_a_ground_is_lit_down_to_its_foot() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let ground = horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0);
+    let upright = |p: Vec3| Vec3::new(p.x, 0.5 * (1.0 - p.z), 0.0);
+    let mut wall = horizontal(Vec2::splat(-1.0), Vec2::splat(1.0), 0.0);
+    wall.positions.iter_mut().for_each(|p| *p = upright(*p));
+    wall.normals.fill(Vec3::Z);
+    let scene = scene_of(vec![ground, wall], edge::white());
+    let set = one_disk(Vec3::new(0.3, 0.6, 0.74).normalize(), 0.2);
+    let camera = Camera {
+        projection: Projection::Orthographic { half_width: 0.1 },
+        ..Camera::look_at(Vec3::new(0.0, 0.1, 4.0), Vec3::new(0.0, 0.1, 0.0), 1.0)
+    };
+    for shadows in ["hard", "pcf", "pcss", "moments"] {
+        let frame = render(&gpu, edge::settings(shadows), &scene, &no_light(), &set, &camera, [64, 64]);
+        // Half a millimetre above the foot, then higher up.
+        let column: Vec<f32> = (0..64).rev().map(|y| frame.radiance.get(32, y).x).collect();
+        let darkest = column.iter().copied().fold(f32::INFINITY, f32::min);
+        let lit = column[60];
+        println!("{shadows}: {}", darkest / lit);
+        assert!(darkest > (1.0 - tolerances::UMBRA) * lit, "{shadows}: {darkest} instead of {lit}");
+    }
+}
