@@ -392,7 +392,7 @@ fn a_wall_that_stands_on_a_ground_is_lit_down_to_its_foot() {
     };
     for shadows in ["hard", "pcf", "pcss", "moments"] {
         let frame = render(&gpu, edge::settings(shadows), &scene, &no_light(), &set, &camera, [64, 64]);
-        // Half a millimetre above the foot, then higher up.
+        // From a millimetre and a half above the foot upwards.
         let column: Vec<f32> = (0..64).rev().map(|y| frame.radiance.get(32, y).x).collect();
         let darkest = column.iter().copied().fold(f32::INFINITY, f32::min);
         let lit = column[60];

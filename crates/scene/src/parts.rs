@@ -33,7 +33,7 @@ pub struct MeshPart {
     pub bounds: Bounds,
     /// Range of the mesh's triangles that holds them.
     pub triangles: Range<usize>,
-    /// How many there are: no other lies in that range where it is as long.
+    /// How many there are: as many as the range is long where no others lie among them.
     pub count: usize,
 }
 

@@ -26,8 +26,8 @@ const OPTIMIZED_COUNT: usize = 48;
 ///
 /// [`Partition::optimized`] makes the mean squared error of irradiance behind a straight edge small: every light moves and changes
 /// its two widths by gradient descent, and its colour is the best one, solved for. Each channel is then scaled, by next to nothing, to
-/// the map's flux. Lights may overlap; more than 128 stay as they are. The same pictures are then off by 0.020 with 30 lights above a
-/// ground and by 0.017 with 60.
+/// the map's flux. Lights may overlap; more than 128 stay as they are. At 128 x 96 pixels a partition of
+/// 60 is off by 0.0161, 48 optimised lights by 0.0159 and 60 by 0.0150.
 #[derive(Clone, Debug)]
 pub struct Partition {
     options: FitOptions,
