@@ -88,6 +88,12 @@ pub const PREFILTERED_ENVIRONMENT: f64 = 0.25;
 /// Share by which the error of a picture may grow where lights are summed at a sixteenth of its samples.
 pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
 
+/// Relative RMSE between pictures whose shadow maps hold simpler meshes and all triangles.
+pub const SIMPLER_CASTERS: f64 = 0.004;
+
+/// What simpler meshes in shadow maps may add to a picture's relative RMSE.
+pub const SIMPLER_CASTERS_ERROR: f64 = 0.0005;
+
 /// What may cross a depth or normal edge of a coarse shadow buffer, as a share of the light beside it.
 pub const SAMPLING_BLEED: f32 = 0.01;
 

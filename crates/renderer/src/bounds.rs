@@ -15,8 +15,18 @@ pub(crate) struct InstanceBox {
     pub bounds: Bounds,
     /// Of these triangles alone, where they lie side by side.
     pub indices: Option<Range<u32>>,
+    /// What may be drawn in place of `indices`, the finest first.
+    pub simpler: Vec<SimplerIndices>,
     pub instance: usize,
     pub world_from_mesh: Affine3A,
+}
+
+/// Of coarser triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SimplerIndices {
+    /// From the mesh, in its space [m].
+    pub deviation: f32,
+    pub indices: Range<u32>,
 }
 
 impl InstanceBox {
@@ -58,6 +68,9 @@ pub(crate) struct PlacedBoxes {
 pub(crate) struct PlacedBox {
     pub corners: [Vec3; 8],
     pub indices: Option<Range<u32>>,
+    pub simpler: Vec<SimplerIndices>,
+    /// Length in the world of the longest of the mesh's unit axes.
+    scale: f32,
     /// Where it is flat and everything else lies on one side of it.
     pub ground: Option<Ground>,
 }
@@ -113,27 +126,75 @@ impl PlacedBoxes {
         let placed = |(index, corners): (usize, &[Vec3; 8])| PlacedBox {
             corners: *corners,
             indices: boxes[index].indices.clone(),
+            simpler: boxes[index].simpler.clone(),
+            scale: longest_axis(&boxes[index].world_from_mesh),
             ground: ground(index),
         };
         Self { boxes: corners.iter().enumerate().map(placed).collect(), tolerance }
     }
 
-    /// Of the indices up to `end` those of what can cast a shadow of the light: a kernel that reached a ground below a wall would take it
-    /// for a blocker.
-    pub fn casters(&self, light: &DistantLight, end: u32) -> Vec<Range<u32>> {
-        let blocks_nothing =
-            |place: &&PlacedBox| place.ground.is_some_and(|ground| ground.blocks_nothing_of(light));
-        let skipped = self.boxes.iter().filter(blocks_nothing).filter_map(|place| place.indices.clone());
-        let mut skipped: Vec<Range<u32>> = skipped.collect();
-        skipped.sort_by_key(|range| range.start);
-        let starts = std::iter::once(0).chain(skipped.iter().map(|range| range.end));
-        let ends = skipped.iter().map(|range| range.start).chain([end]);
-        starts.zip(ends).map(|(start, end)| start..end).filter(|range| !range.is_empty()).collect()
+    /// What can cast a shadow: of all indices up to `end` and the simpler ones behind them.
+    pub fn casters(&self, wanted: &Casters<'_>, end: u32) -> DrawnCasters {
+        let blocks_nothing = |place: &PlacedBox| match (place.ground, wanted.above) {
+            (Some(ground), Some(light)) => ground.blocks_nothing_of(light),
+            _ => false,
+        };
+        let is_enough = |place: &PlacedBox, simpler: &SimplerIndices| {
+            simpler.deviation * place.scale <= wanted.deviation_world
+        };
+        let mut replaced: Vec<Range<u32>> = Vec::new();
+        let mut simpler: Vec<Range<u32>> = Vec::new();
+        let mut deviation_world = 0.0f32;
+        for place in &self.boxes {
+            let Some(own) = &place.indices else { continue };
+            if blocks_nothing(place) {
+                replaced.push(own.clone());
+            } else if let Some(found) = place.simpler.iter().take_while(|s| is_enough(place, s)).last() {
+                replaced.push(own.clone());
+                simpler.push(found.indices.clone());
+                deviation_world = deviation_world.max(found.deviation * place.scale);
+            }
+        }
+        replaced.sort_by_key(|range| range.start);
+        let starts = std::iter::once(0).chain(replaced.iter().map(|own| own.end));
+        let ends = replaced.iter().map(|own| own.start).chain([end]);
+        let whole = starts.zip(ends).map(|(start, end)| start..end);
+        let mut indices: Vec<Range<u32>> = Vec::new();
+        for range in whole.chain(simpler).filter(|range| !range.is_empty()) {
+            match indices.last_mut() {
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => indices.push(range),
+            }
+        }
+        DrawnCasters { indices, deviation_world }
     }
 
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.boxes.iter().flat_map(|place| place.corners)
     }
+}
+
+/// What a shadow map needs of the scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Casters<'a> {
+    /// Grounds of which this light shines on the side that bears everything are not drawn: a kernel that reached one below a wall would
+    /// take it for a blocker.
+    pub above: Option<&'a DistantLight>,
+    /// Meshes that deviate no more than this from what they should be are as good [m].
+    pub deviation_world: f32,
+}
+
+/// What a shadow map shows of the scene.
+#[derive(Clone, Debug)]
+pub(crate) struct DrawnCasters {
+    pub indices: Vec<Range<u32>>,
+    /// Most by which these triangles deviate from all that there are [m].
+    pub deviation_world: f32,
+}
+
+fn longest_axis(world_from_mesh: &Affine3A) -> f32 {
+    let axes = world_from_mesh.matrix3;
+    axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length())
 }
 
 /// Least and greatest height of points above a plane.
@@ -152,6 +213,7 @@ mod tests {
         let flat = |max| InstanceBox {
             bounds: Bounds { min: Vec3::ZERO, max },
             indices: None,
+            simpler: Vec::new(),
             instance: 0,
             world_from_mesh: place,
         };
@@ -165,7 +227,13 @@ mod tests {
     /// An axis-aligned box at its place.
     fn placed(min: Vec3, max: Vec3) -> InstanceBox {
         let bounds = Bounds { min, max };
-        InstanceBox { bounds, indices: None, instance: 0, world_from_mesh: Affine3A::IDENTITY }
+        InstanceBox {
+            bounds,
+            indices: None,
+            simpler: Vec::new(),
+            instance: 0,
+            world_from_mesh: Affine3A::IDENTITY,
+        }
     }
 
     #[test]
@@ -176,8 +244,8 @@ mod tests {
         let scene = PlacedBoxes::new(&[ground.clone(), model.clone()]);
         let of = |scene: &PlacedBoxes, towards: glam::DVec3| {
             let light = DistantLight::disk(towards.normalize(), 0.3, glam::DVec3::ONE);
-            let drawn = scene.casters(&light, 20);
-            drawn.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+            let drawn = scene.casters(&Casters { above: Some(&light), deviation_world: 0.0 }, 20);
+            drawn.indices.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
         };
         let casters = |towards| of(&scene, towards);
         let d = glam::DVec3::new;
@@ -189,6 +257,34 @@ mod tests {
         let mixed = PlacedBoxes::new(&[InstanceBox { indices: None, ..ground.clone() }, model]);
         let hanging = PlacedBoxes::new(&[ground, placed(p(-1.0, -2.0, -1.0), p(1.0, 2.0, 1.0))]);
         assert_eq!([&mixed, &hanging].map(|scene| of(scene, d(0.0, 1.0, 0.0))), [[(0, 20)], [(0, 20)]]);
+    }
+
+    #[test]
+    fn the_coarsest_triangles_that_are_near_enough_take_the_place_of_a_mesh() {
+        let p = Vec3::new;
+        let ground = InstanceBox { indices: Some(0..6), ..placed(p(-4.0, 0.0, -4.0), p(4.0, 0.0, 4.0)) };
+        let simpler = |deviation, indices| SimplerIndices { deviation, indices };
+        let model = InstanceBox {
+            indices: Some(6..12),
+            simpler: vec![simpler(0.01, 20..26), simpler(0.02, 26..29)],
+            world_from_mesh: Affine3A::from_scale(p(2.0, 1.0, 1.0)),
+            ..placed(p(-1.0, 0.0, -1.0), p(1.0, 2.0, 1.0))
+        };
+        let scene = PlacedBoxes::new(&[ground, model]);
+        let light = DistantLight::disk(glam::DVec3::Y, 0.3, glam::DVec3::ONE);
+        let drawn = |above, deviation_world| {
+            let drawn = scene.casters(&Casters { above, deviation_world }, 20);
+            assert!(deviation_world.is_nan() || drawn.deviation_world <= deviation_world);
+            drawn.indices.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+        };
+        // In the world the simpler ones deviate by twice as much.
+        assert_eq!(drawn(None, 0.0), [(0, 20)]);
+        assert_eq!(drawn(None, 0.0199), [(0, 20)]);
+        assert_eq!(drawn(None, 0.021), [(0, 6), (12, 26)]);
+        assert_eq!(drawn(None, 1.0), [(0, 6), (12, 20), (26, 29)]);
+        assert_eq!(drawn(Some(&light), 1.0), [(12, 20), (26, 29)]);
+        // Nothing is near enough to what is no number.
+        assert_eq!(drawn(None, f32::NAN), [(0, 20)]);
     }
 
     /// Whether the first of both bears the other, up and down.

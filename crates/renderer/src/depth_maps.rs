@@ -46,6 +46,14 @@ impl DepthMaps {
     }
 }
 
+/// What a light's map shows.
+#[derive(Clone, Debug)]
+pub(crate) struct MapView {
+    pub is_perspective: bool,
+    /// Of the geometry's indices those that are drawn.
+    pub indices: Vec<Range<u32>>,
+}
+
 /// Draws the scene's depth as every light sees it.
 pub(crate) struct ShadowMapPass {
     layout: wgpu::BindGroupLayout,
@@ -107,16 +115,16 @@ impl ShadowMapPass {
         gpu.bind_group("shadow map", &self.layout, &[(0, lights.as_entire_binding())])
     }
 
-    /// Draws the maps of a batch of lights; `views` tells for each of them whether it sees in perspective, and which indices it draws.
+    /// Draws the maps of a batch of lights.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         geometry: &Geometry,
         maps: &DepthMaps,
         lights_group: &wgpu::BindGroup,
-        views: impl Iterator<Item = (bool, Vec<Range<u32>>)>,
+        views: &[MapView],
     ) {
-        for ((light, layer), (perspective, casters)) in (0..).zip(&maps.layers).zip(views) {
+        for ((light, layer), view) in (0..).zip(&maps.layers).zip(views) {
             let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -130,12 +138,16 @@ impl ShadowMapPass {
                 ..Default::default()
             });
             if geometry.index_count > 0 {
-                pass.set_pipeline(if perspective { &self.perspective_pipeline } else { &self.pipeline });
+                pass.set_pipeline(if view.is_perspective {
+                    &self.perspective_pipeline
+                } else {
+                    &self.pipeline
+                });
                 pass.set_bind_group(0, lights_group, &[]);
                 pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
                 pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-                for indices in casters {
-                    pass.draw_indexed(indices, 0, light..light + 1);
+                for indices in &view.indices {
+                    pass.draw_indexed(indices.clone(), 0, light..light + 1);
                 }
             }
         }

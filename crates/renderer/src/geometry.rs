@@ -1,11 +1,14 @@
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use glam::{Affine3A, Vec3};
-use gnomon_scene::{Bounds, Instance, MaterialId, MeshId, MeshPart, Pose, Scene, SkinId};
+use gnomon_scene::{
+    Bounds, Instance, MaterialId, Mesh, MeshId, MeshPart, Pose, Scene, SimplerTriangles, SkinId,
+};
 use gnomon_shaders::layout;
+use rayon::prelude::*;
 
 use crate::bindings::Binding;
-use crate::bounds::{InstanceBox, PlacedBoxes};
+use crate::bounds::{InstanceBox, PlacedBoxes, SimplerIndices};
 use crate::deformation::{DeformableBoxes, PoseData, Records};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
@@ -35,6 +38,7 @@ pub(crate) struct Geometry {
     pub static_attributes: wgpu::Buffer,
     pub indices: wgpu::Buffer,
     pub ranges: Vec<DrawRange>,
+    /// Of all triangles as they are; what follows them are simpler ones.
     pub index_count: u32,
     /// Around what casts and receives shadows. Those of deformed instances are conservative.
     pub boxes: Vec<InstanceBox>,
@@ -102,7 +106,14 @@ impl Geometry {
         let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles as usize);
         let mut ranges: Vec<DrawRange> = Vec::new();
         let mut boxes = Vec::with_capacity(placed.len());
-        let mut parts_of: HashMap<usize, Vec<MeshPart>> = HashMap::new();
+        let rigid: BTreeSet<usize> =
+            placed.iter().filter(|i| !scene.is_deformable(i)).map(|i| i.mesh.0).collect();
+        let parts_of: HashMap<usize, (Vec<MeshPart>, Vec<SimplerTriangles>)> = rigid
+            .into_par_iter()
+            .map(|mesh| (mesh, parts_and_simplifications(&scene.meshes[mesh])))
+            .collect();
+        // Boxes with simpler triangles, which follow once all that is drawn whole has its indices.
+        let mut simpler: Vec<(usize, &[SimplerTriangles], u32)> = Vec::new();
         let mut records = Records::new();
         let mut deformable = Vec::new();
         for (instance, placement) in placed.iter().enumerate() {
@@ -142,15 +153,21 @@ impl Geometry {
                 _ => ranges.push(DrawRange { material, indices: first_index..end }),
             }
             let world_from_mesh = placement.world_from_mesh;
-            let new_box = |bounds, indices| InstanceBox { bounds, indices, instance, world_from_mesh };
+            let new_box = |bounds, indices| InstanceBox {
+                bounds,
+                indices,
+                simpler: Vec::new(),
+                instance,
+                world_from_mesh,
+            };
             if scene.is_deformable(placement) {
                 // Its place is known once the pose is.
                 if !mesh.triangles.is_empty() {
                     deformable.push((boxes.len(), DeformableBoxes::new(mesh, placement.skin.is_some())));
                     boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, None));
                 }
-            } else {
-                let parts = parts_of.entry(placement.mesh.0).or_insert_with(|| mesh.parts());
+            } else if let Some((parts, simplifications)) = parts_of.get(&placement.mesh.0) {
+                simpler.push((boxes.len(), simplifications, first_vertex));
                 let index = |triangle: usize| first_index + 3 * triangle as u32;
                 boxes.extend(parts.iter().map(|part| {
                     let is_alone = part.triangles.len() == part.count;
@@ -159,6 +176,17 @@ impl Geometry {
                 }));
             }
         }
+        let index_count = indices.len() as u32;
+        for (place, simplifications, first_vertex) in simpler {
+            // Where there is no room for them, meshes are drawn whole.
+            let fits = |triangles: usize| (indices.len() / 3 + triangles) as u64 <= most_triangles;
+            if fits(simplifications.iter().map(|simpler| simpler.triangles.len()).sum())
+                && let Some(place) = boxes.get_mut(place)
+            {
+                place.simpler = append(&mut indices, simplifications, first_vertex);
+            }
+        }
+
         let pose = scene.pose();
         let data = PoseData::new(scene, &pose, &placed);
         let joint_bytes = size_of_val(data.joints.as_slice()) as u64;
@@ -204,7 +232,7 @@ impl Geometry {
             ),
             indices: gpu.buffer_with("indices", bytemuck::cast_slice(&indices), wgpu::BufferUsages::INDEX),
             ranges,
-            index_count: indices.len() as u32,
+            index_count,
             boxes,
             placed_boxes: PlacedBoxes::default(),
             vertex_count: total as u32,
@@ -257,7 +285,13 @@ impl Geometry {
             let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
             if let Some(((min, max), world_from_mesh)) = around {
                 let bounds = Bounds { min, max };
-                *place = InstanceBox { bounds, indices: None, instance: place.instance, world_from_mesh };
+                *place = InstanceBox {
+                    bounds,
+                    indices: None,
+                    simpler: Vec::new(),
+                    instance: place.instance,
+                    world_from_mesh,
+                };
             }
         }
         let placed_boxes = PlacedBoxes::new(&boxes);
@@ -281,6 +315,26 @@ impl Geometry {
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::around(self.placed_boxes.corners())
     }
+}
+
+/// A mesh's parts, and simpler triangles for shadow maps where it is one part.
+fn parts_and_simplifications(mesh: &Mesh) -> (Vec<MeshPart>, Vec<SimplerTriangles>) {
+    let parts = mesh.parts();
+    let simpler = if parts.len() == 1 { mesh.simplifications() } else { Vec::new() };
+    (parts, simpler)
+}
+
+fn append(
+    indices: &mut Vec<u32>,
+    simplifications: &[SimplerTriangles],
+    first_vertex: u32,
+) -> Vec<SimplerIndices> {
+    let mut appended = |simpler: &SimplerTriangles| {
+        let start = indices.len() as u32;
+        indices.extend(simpler.triangles.iter().flatten().map(|index| first_vertex + index));
+        SimplerIndices { deviation: simpler.deviation, indices: start..indices.len() as u32 }
+    };
+    simplifications.iter().map(&mut appended).collect()
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.

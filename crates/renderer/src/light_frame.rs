@@ -12,6 +12,9 @@ pub(crate) const MARGIN_TEXELS: f32 = 2.0;
 /// Widest margin for penumbrae around the models, as a share of their width in the map.
 const MAX_PENUMBRA_MARGIN: f32 = 0.25;
 
+/// Most by which simpler meshes deviate, as a share of the widest penumbra.
+const OF_PENUMBRA: f32 = 0.02;
+
 /// Variance, in squared texels of its level, of a bilinear lookup in the mip chain: 1/4 from the chain's kernel
 /// [1 3 3 1] / 8 and 1/6 on average from the interpolation.
 pub(crate) const LOOKUP_VARIANCE: f32 = 1.0 / 4.0 + 1.0 / 6.0;
@@ -25,6 +28,18 @@ pub(crate) fn footprint(light: &DistantLight) -> f32 {
         LightShape::Rectangle { .. } => half.length_squared() / 6.0,
     };
     (variance / LOOKUP_VARIANCE).sqrt()
+}
+
+/// How far what is drawn into the light's map may deviate from the scene: so many texels, and no more than a share of the widest
+/// penumbra, so that sharp edges stay as they are [m].
+pub(crate) fn hidden_deviation(
+    light: &DistantLight,
+    uniform: &layout::Light,
+    resolution: u32,
+    texels: f32,
+) -> f32 {
+    let texel = uniform.map_width_world / resolution as f32;
+    (texels * texel).min(OF_PENUMBRA * footprint(light) * uniform.depth_range_world)
 }
 
 /// What a light's shadow map has to hold.
@@ -163,7 +178,7 @@ pub(crate) fn light_uniform(
         kind: layout::KIND_DISTANT,
         half_extent: light.tan_half_extent().to_array(),
         role: layout::ROLE_LIGHT,
-        padding_0: 0.0,
+        caster_deviation_world: 0.0,
         vector_irradiance: vector_irradiance.to_array(),
         padding_1: 0.0,
     }
@@ -180,6 +195,7 @@ mod tests {
         PlacedBoxes::new(&[InstanceBox {
             bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 3.0, 2.0) },
             indices: None,
+            simpler: Vec::new(),
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }])

@@ -69,7 +69,7 @@ pub(crate) fn near_light_uniform(
         kind,
         half_extent: half_extent.to_array(),
         role: layout::ROLE_LIGHT,
-        padding_0: 0.0,
+        caster_deviation_world: 0.0,
         vector_irradiance: [0.0; 3],
         padding_1: 0.0,
     }
@@ -167,6 +167,7 @@ mod tests {
         vec![InstanceBox {
             bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(1.0, 1.5, 2.0) },
             indices: None,
+            simpler: Vec::new(),
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
         }]
@@ -229,6 +230,7 @@ mod tests {
     fn a_ground_takes_no_part_of_the_map() {
         let ground = InstanceBox {
             indices: None,
+            simpler: Vec::new(),
             bounds: Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 0.0, 9.0) },
             instance: 1,
             world_from_mesh: Affine3A::IDENTITY,

@@ -11,7 +11,7 @@ use crate::ambient::{self, Ambient};
 use crate::camera::CameraMatrices;
 use crate::compose::{ComposePass, RADIANCE_FORMAT};
 use crate::composite::{self, Compositing};
-use crate::depth_maps::ShadowMapPass;
+use crate::depth_maps::{MapView, ShadowMapPass};
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -239,7 +239,7 @@ impl Renderer {
         let sample_size = size.map(|side| side * samples);
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
         let matrices = matrices.cropped(height, rows);
-        self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
+        let map_views = self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
 
         let mut recorder = Recorder::new(gpu, self.settings.profile);
         if is_first {
@@ -260,14 +260,14 @@ impl Renderer {
         lit.batches.encode(
             &mut recorder,
             (&self.passes.shadow_map, &lit.light),
-            (&self.geometry, &lit.lighting),
+            (&self.geometry, &map_views),
             &lit.frame_groups,
             (gbuffer_group, &target.points),
             is_first,
         )?;
         let (mut exposure, mut tone_mapping) = (self.settings.exposure_ev, self.settings.tone_mapping);
         if let Some(debug) = &self.debug {
-            self.encode_debug_view(&mut recorder, debug, (lit, target), camera, sample_size);
+            self.encode_debug_view(&mut recorder, debug, (lit, target, &map_views), camera, sample_size);
             recorder.end_pass("debug view")?;
             (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
         } else {
@@ -292,7 +292,7 @@ impl Renderer {
         matrices: &CameraMatrices,
         [width, height]: [u32; 2],
         interleave: u32,
-    ) {
+    ) -> Vec<Vec<MapView>> {
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
         let view = layout::View {
@@ -316,14 +316,7 @@ impl Renderer {
         self.cache.write(&self.gpu, to_viewer, environment_from_world);
         let offset = self.settings.normal_offset_texels;
         let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
-        lit.batches.write_lights(
-            &self.gpu,
-            &lit.lighting,
-            &self.near_lights,
-            &self.geometry.placed_boxes,
-            offset,
-            only,
-        );
+        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, &self.geometry, offset, only)
     }
 
     fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {

@@ -20,6 +20,9 @@ pub struct RenderSettings {
     pub shadow_memory_bytes: u64,
     /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
     pub normal_offset_texels: f32,
+    /// What is drawn into the maps of wide lights may deviate from the scene by this many depth-map texels, 0 to 16; 0 draws all
+    /// triangles for all lights.
+    pub caster_deviation_texels: f32,
     /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
     pub ambient: String,
     /// Lights or probes that the ambient rest may become, 6 to 4096.
@@ -54,6 +57,7 @@ impl Default for RenderSettings {
             shadow_sizing: ShadowSizing::default(),
             shadow_memory_bytes: 1 << 30,
             normal_offset_texels: 1.5,
+            caster_deviation_texels: 0.25,
             ambient: "cells".to_owned(),
             ambient_cells: 32,
             compositing: "ratio".to_owned(),
@@ -81,6 +85,7 @@ impl RenderSettings {
         unshadowed::by_name(&self.unshadowed)?;
         in_range("samples along a pixel's side", self.samples, 1..=8)?;
         in_range("exposure", self.exposure_ev, -100.0..=100.0)?;
+        in_range("deviation of shadow casters in texels", self.caster_deviation_texels, 0.0..=16.0)?;
         in_range("cells of the ambient rest", self.ambient_cells, 6..=4096)?;
         in_range("resolution of the radiance cache", self.radiance_cache_resolution, 16..=1024)?;
         check_power_of_two("shadow map resolution", self.shadow_resolution, 16..=8192)?;

@@ -3,10 +3,10 @@ use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::batch_plan::{Budget, plan};
-use crate::bounds::PlacedBoxes;
-use crate::depth_maps::{DepthMaps, ShadowMapPass};
+use crate::bounds::Casters;
+use crate::depth_maps::{DepthMaps, MapView, ShadowMapPass};
 use crate::geometry::Geometry;
-use crate::light_frame::{footprint, light_uniform};
+use crate::light_frame::{footprint, hidden_deviation, light_uniform};
 use crate::light_pass::{self, LightPass};
 use crate::lighting::Lighting;
 use crate::near_light_frame::near_light_uniform;
@@ -20,8 +20,8 @@ pub(crate) struct ShadowBatches {
     classes: Vec<ClassMaps>,
     batches: Vec<Batch>,
     bytes: u64,
-    /// Whether grounds are drawn where they block nothing.
-    draws_grounds: bool,
+    technique: &'static dyn ShadowTechnique,
+    caster_deviation_texels: f32,
 }
 
 /// Maps of one size, for as many lights as a batch has.
@@ -35,8 +35,6 @@ pub(crate) struct Batch {
     class: usize,
     /// Lights by their place in the frame's list.
     members: Vec<usize>,
-    /// Whether each member's map is perspective.
-    perspective: Vec<bool>,
     /// [`layout::Light`] of each member.
     pub lights: wgpu::Buffer,
     /// A [`layout::Batch`].
@@ -66,7 +64,7 @@ impl ShadowBatches {
     pub fn new(
         gpu: &Gpu,
         pass: &ShadowMapPass,
-        technique: &dyn ShadowTechnique,
+        technique: &'static dyn ShadowTechnique,
         settings: &RenderSettings,
         lighting: &Lighting,
         near_lights: &[PlacedLight],
@@ -117,12 +115,16 @@ impl ShadowBatches {
             classes.push(ClassMaps { depth_maps, shadows });
             for members in class.batches {
                 let place = batches.len();
-                let perspective =
-                    members.iter().map(|&i| with_maps && matches!(all[i], Member::Near(_))).collect();
-                batches.push(Batch::new(gpu, pass, index, members, perspective, place == 0));
+                batches.push(Batch::new(gpu, pass, index, members, place == 0));
             }
         }
-        Ok(Self { classes, batches, bytes, draws_grounds: technique.draws_grounds() })
+        Ok(Self {
+            classes,
+            batches,
+            bytes,
+            technique,
+            caster_deviation_texels: settings.caster_deviation_texels,
+        })
     }
 
     /// GPU memory of all maps and images in bytes.
@@ -185,35 +187,51 @@ impl ShadowBatches {
         }
     }
 
-    /// Fits every light's map around the scene as it stands in this frame. The light `only` counts as a probe, which tells its visibility.
+    /// Fits every light's map around the scene as it stands in this frame, and tells batch by batch what the maps show. The light `only` counts as
+    /// a probe, which tells its visibility.
     pub fn write_lights(
         &self,
         gpu: &Gpu,
         lighting: &Lighting,
         near_lights: &[PlacedLight],
-        scene: &PlacedBoxes,
+        geometry: &Geometry,
         normal_offset_texels: f32,
         only: Option<usize>,
-    ) {
+    ) -> Vec<Vec<MapView>> {
+        let (scene, end) = (&geometry.placed_boxes, geometry.index_count);
         let all: Vec<Member<'_>> = members([&lighting.lights, &lighting.probes], near_lights).collect();
-        for batch in &self.batches {
+        let of_batch = |batch: &Batch| {
             let resolution = self.classes[batch.class].depth_maps.resolution;
-            let lights: Vec<layout::Light> = (batch.members.iter())
-                .map(|&place| match all[place] {
+            let fitted = batch.members.iter().map(|&place| {
+                let (mut uniform, casters) = match all[place] {
                     Member::Distant { light, role } => {
                         let uniform = light_uniform(light, scene, resolution, normal_offset_texels);
-                        layout::Light { role, ..uniform }
+                        let casters = self.casters(light, &uniform, resolution);
+                        (layout::Light { role, ..uniform }, casters)
                     }
-                    Member::Near(light) => near_light_uniform(light, scene, resolution, normal_offset_texels),
-                })
-                .zip(&batch.members)
-                .map(|(light, place)| match only {
-                    Some(only) if only == *place => layout::Light { role: layout::ROLE_PROBE, ..light },
-                    _ => light,
-                })
-                .collect();
+                    Member::Near(light) => {
+                        let uniform = near_light_uniform(light, scene, resolution, normal_offset_texels);
+                        (uniform, Casters::default())
+                    }
+                };
+                let drawn = scene.casters(&casters, end);
+                uniform.caster_deviation_world = drawn.deviation_world;
+                if only == Some(place) {
+                    uniform.role = layout::ROLE_PROBE;
+                }
+                let is_perspective = matches!(all[place], Member::Near(_));
+                (uniform, MapView { is_perspective, indices: drawn.indices })
+            });
+            let (lights, views): (Vec<layout::Light>, Vec<MapView>) = fitted.unzip();
             gpu.queue.write_buffer(&batch.lights, 0, bytemuck::cast_slice(&lights));
-        }
+            views
+        };
+        self.batches.iter().map(of_batch).collect()
+    }
+
+    fn casters<'a>(&self, light: &'a DistantLight, uniform: &layout::Light, resolution: u32) -> Casters<'a> {
+        let deviation_world = hidden_deviation(light, uniform, resolution, self.caster_deviation_texels);
+        Casters { above: (!self.technique.draws_grounds()).then_some(light), deviation_world }
     }
 
     /// Draws and filters maps and sums light batch after batch. Another band of a picture finds the maps as the first one left them, but for
@@ -222,18 +240,18 @@ impl ShadowBatches {
         &self,
         recorder: &mut Recorder<'_>,
         passes: (&ShadowMapPass, &LightPass),
-        scenery: (&Geometry, &Lighting),
+        (geometry, views): (&Geometry, &[Vec<MapView>]),
         frame_groups: &[wgpu::BindGroup],
         (gbuffer_group, points): (&wgpu::BindGroup, &ShadingPoints),
         is_first_band: bool,
     ) -> Result<(), RenderError> {
         let (shadow_map, light) = passes;
-        for (batch, frame_group) in self.batches.iter().zip(frame_groups) {
+        for ((batch, frame_group), views) in self.batches.iter().zip(frame_groups).zip(views) {
             let class = &self.classes[batch.class];
             let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
             let needs_maps = is_first_band || takes_turns;
             if needs_maps {
-                self.draw_maps(recorder, shadow_map, scenery, batch);
+                self.draw_maps(recorder, shadow_map, (geometry, views), batch);
             }
             recorder.end_pass("shadow maps")?;
             if needs_maps {
@@ -251,11 +269,11 @@ impl ShadowBatches {
         &self,
         recorder: &mut Recorder<'_>,
         pass: &ShadowMapPass,
-        scenery: (&Geometry, &Lighting),
+        (geometry, views): (&Geometry, &[Vec<MapView>]),
         batch: usize,
     ) {
-        if let Some(batch) = self.batches.get(batch) {
-            self.draw_maps(recorder, pass, scenery, batch);
+        if let (Some(batch), Some(views)) = (self.batches.get(batch), views.get(batch)) {
+            self.draw_maps(recorder, pass, (geometry, views), batch);
         }
     }
 
@@ -263,30 +281,16 @@ impl ShadowBatches {
         &self,
         recorder: &mut Recorder<'_>,
         pass: &ShadowMapPass,
-        (geometry, lighting): (&Geometry, &Lighting),
+        (geometry, views): (&Geometry, &[MapView]),
         batch: &Batch,
     ) {
         let maps = &self.classes[batch.class].depth_maps;
-        let distant: Vec<&DistantLight> = lighting.lights.iter().chain(&lighting.probes).collect();
-        let end = geometry.index_count;
-        let casters = |place: &usize| match distant.get(*place) {
-            Some(light) if !self.draws_grounds => geometry.placed_boxes.casters(light, end),
-            _ => std::iter::once(0..end).collect(),
-        };
-        let views = batch.perspective.iter().copied().zip(batch.members.iter().map(casters));
         pass.encode(recorder, geometry, maps, &batch.lights_group, views);
     }
 }
 
 impl Batch {
-    fn new(
-        gpu: &Gpu,
-        pass: &ShadowMapPass,
-        class: usize,
-        members: Vec<usize>,
-        perspective: Vec<bool>,
-        first: bool,
-    ) -> Self {
+    fn new(gpu: &Gpu, pass: &ShadowMapPass, class: usize, members: Vec<usize>, first: bool) -> Self {
         let lights = gpu.empty_buffer(
             "lights",
             size_of::<layout::Light>() as u64 * u64::from(layout::MAX_BATCH_LIGHTS),
@@ -296,7 +300,7 @@ impl Batch {
         let parameters =
             gpu.buffer_with("batch", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
         let lights_group = pass.lights_group(gpu, &lights);
-        Self { class, members, perspective, lights, parameters, lights_group }
+        Self { class, members, lights, parameters, lights_group }
     }
 
     fn parameters(first_light: u32, end_light: u32, first: bool) -> layout::Batch {

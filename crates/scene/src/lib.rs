@@ -17,6 +17,7 @@ mod pose;
 mod reflectance;
 mod scene;
 mod shade_inputs;
+mod simplify;
 mod smooth;
 mod texture;
 
@@ -34,3 +35,4 @@ pub use pose::{Influences, Instance, MorphTarget, Pose, Skin, WorldVertices};
 pub use reflectance::ReflectanceSettings;
 pub use scene::{Bounds, CameraMount, MaterialId, Mesh, MeshId, Node, NodeId, Scene, SkinId};
 pub use shade_inputs::{SurfacePoint, normal_matrix, perturb_normal};
+pub use simplify::SimplerTriangles;

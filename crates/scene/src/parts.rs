@@ -91,13 +91,18 @@ impl Scene {
     }
 }
 
-/// The parts of a mesh whose triangles hang together. Vertices at the same place count as one: loaders split them
-/// for their normals.
+/// Of each vertex the first one at the same place: loaders split them for their normals.
+pub(crate) fn first_vertices(positions: &[Vec3]) -> Vec<usize> {
+    let mut first_at = HashMap::with_capacity(positions.len());
+    (positions.iter().enumerate())
+        // Minus zero is zero.
+        .map(|(i, position)| *first_at.entry((*position + 0.0).to_array().map(f32::to_bits)).or_insert(i))
+        .collect()
+}
+
+/// The parts of a mesh whose triangles hang together. Vertices at the same place count as one.
 fn connected_parts(mesh: &Mesh) -> Vec<MeshPart> {
-    let mut first_at = HashMap::new();
-    let mut parents: Vec<usize> = (mesh.positions.iter().enumerate())
-        .map(|(i, position)| *first_at.entry(position.to_array().map(f32::to_bits)).or_insert(i))
-        .collect();
+    let mut parents = first_vertices(&mesh.positions);
     for triangle in &mesh.triangles {
         let root = root_of(&mut parents, triangle[0] as usize);
         for &vertex in &triangle[1..] {
@@ -117,7 +122,7 @@ fn connected_parts(mesh: &Mesh) -> Vec<MeshPart> {
 }
 
 /// Root of `vertex` in a union-find forest; the path to it is halved on the way.
-fn root_of(parents: &mut [usize], mut vertex: usize) -> usize {
+pub(crate) fn root_of(parents: &mut [usize], mut vertex: usize) -> usize {
     while parents[vertex] != vertex {
         parents[vertex] = parents[parents[vertex]];
         vertex = parents[vertex];

@@ -71,7 +71,7 @@ pub struct Light {
     pub kind: u32,
     pub half_extent: [f32; 2],
     pub role: u32,
-    pub padding_0: f32,
+    pub caster_deviation_world: f32,
     pub vector_irradiance: [f32; 3],
     pub padding_1: f32,
 }

@@ -81,7 +81,7 @@ fn shared() -> Vec<(&'static str, usize, Vec<Field>)> {
             kind,
             half_extent,
             role,
-            padding_0,
+            caster_deviation_world,
             vector_irradiance,
             padding_1,
         }),

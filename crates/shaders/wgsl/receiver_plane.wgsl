@@ -4,9 +4,10 @@
 // receivers from shadowing themselves (receiver plane depth bias, Isidoro 2006).
 
 // The point from which a technique that knows the receiver's plane looks at the light: the offset along the normal, meant for a
-// comparison of plain depths, is taken back but for `scale` of it.
+// comparison of plain depths, is taken back but for `scale` of it and what casters deviate by.
 fn less_offset(light: u32, position_world: vec3f, normal_world: vec3f, scale: f32) -> vec3f {
-    return position_world - (1.0 - scale) * normal_offset(light, position_world) * normal_world;
+    let offset = scale * normal_offset(light, position_world) + lights[light].caster_deviation_world;
+    return position_world + (offset - normal_offset(light, position_world)) * normal_world;
 }
 
 // Planes are taken to be tilted no further from the light than this cosine, or their depth would vary without bound.

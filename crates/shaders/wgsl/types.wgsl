@@ -73,7 +73,8 @@ struct Light {
     // Half width and height, a disk's and a sphere's radius in both: of a light in the scene [m], of a distant one at a distance of 1.
     half_extent: vec2f,
     role: u32,
-    padding_0: f32,
+    // How far what is drawn into the map may deviate from the scene [m].
+    caster_deviation_world: f32,
     // Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
     vector_irradiance: vec3f,
     padding_1: f32,

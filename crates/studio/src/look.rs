@@ -153,6 +153,8 @@ pub struct RenderLook {
     pub shadow_sizing: SizingName,
     /// Memory for shadow maps and their images [MiB].
     pub shadow_memory: u32,
+    /// What is drawn into the maps of wide lights may deviate from the scene by so many texels, 0 to 16; 0 draws all triangles.
+    pub caster_deviation: f32,
     /// Samples along the side of a tile of the shadow buffer: 1, 2, 4, 8, 16 or 32.
     pub shadow_sampling: u32,
     /// Terms of the convolution shadows' series, 1 to 16.
@@ -178,6 +180,7 @@ impl Default for RenderLook {
             shadow_resolution: settings.shadow_resolution,
             shadow_sizing: SizingName::default(),
             shadow_memory: (settings.shadow_memory_bytes >> 20) as u32,
+            caster_deviation: settings.caster_deviation_texels,
             shadow_sampling: settings.shadow_sampling,
             order: convolution.order,
             prefilter: PrefilterName::default(),
@@ -350,6 +353,7 @@ impl Look {
             unshadowed: render.unshadowed.clone(),
             shadow_resolution: render.shadow_resolution,
             samples: render.supersample,
+            caster_deviation_texels: render.caster_deviation,
             shadow_sampling: render.shadow_sampling,
             exposure_ev: self.display.exposure.unwrap_or(automatic_exposure),
             tone_mapping: self.display.tone_mapping()?,

@@ -80,8 +80,13 @@ impl Experiment for Lights {
                 counts(lab, &scenery, (start, 0.6 * share), &mut section)?;
             }
             if index + 1 == environments.len() || lab.effort() != Effort::Quick {
-                lab.tell(&format!("lights: many hard maps, {}", environment.name), start + 0.7 * share);
-                many_hard_maps(lab, &scenery, &mut duel, &mut section)?;
+                let resolutions: &[u32] = lab.pick(&[32], &[128], &[128, 256]);
+                for (step, &resolution) in resolutions.iter().enumerate() {
+                    let message = format!("lights: many hard maps of {resolution}, {}", environment.name);
+                    let done = 0.7 + 0.3 * step as f32 / resolutions.len() as f32;
+                    lab.tell(&message, start + done * share);
+                    many_hard_maps(lab, &scenery, resolution, &mut duel, &mut section)?;
+                }
             }
             section.paragraphs.push(format!(
                 "{}: {} triangles, {} x {} pixels of 2 x 2 samples, {resolution} x {resolution} maps, truth: {}.",
@@ -157,7 +162,13 @@ fn counts(
 
 fn duel_table() -> Table {
     let columns = [
-        &[("environment", ""), ("technique", ""), ("lights", ""), ("samples a light sum", "")][..],
+        &[
+            ("environment", ""),
+            ("maps", "texels a side"),
+            ("technique", ""),
+            ("lights", ""),
+            ("samples a light sum", ""),
+        ][..],
         &TIME_COLUMNS,
         &[
             ("rounds", ""),
@@ -176,6 +187,7 @@ fn duel_table() -> Table {
 fn many_hard_maps(
     lab: &Lab<'_>,
     scenery: &Scenery,
+    resolution: u32,
     table: &mut Table,
     section: &mut Section,
 ) -> Result<(), BenchError> {
@@ -197,12 +209,15 @@ fn many_hard_maps(
         }
     }
     let name = scenery.environment.name;
-    let mut sheet =
-        ContactSheet::new(format!("lights_hard_maps_{name}"), format!("Many hard maps: {name}"), 2);
+    let mut sheet = ContactSheet::new(
+        format!("lights_hard_maps_{name}_{resolution}"),
+        format!("Many hard maps of {resolution} x {resolution}: {name}"),
+        2,
+    );
     sheet.enlargement = lab.pick(1, 2, 1);
     let mut drawn = Vec::new();
     for (variant, set, shadow_sampling) in &rivals_of {
-        let frame = RenderSettings { shadow_sampling: *shadow_sampling, ..uniform_maps(scenery.resolution) };
+        let frame = RenderSettings { shadow_sampling: *shadow_sampling, ..uniform_maps(resolution) };
         let new = variant.drawn(lab, scenery.setup(set), &frame, truth)?;
         drawn.extend(new.map(|drawn| (drawn, set, *shadow_sampling)));
     }
@@ -218,6 +233,7 @@ fn many_hard_maps(
         let found = set.lights.len();
         let mut row: Vec<Cell> = vec![
             name.into(),
+            resolution.into(),
             format!("{}, {}", drawn.name, set.method).into(),
             found.into(),
             (sampling * sampling).into(),

@@ -56,6 +56,11 @@ pub struct GpuArgs {
     #[arg(long, value_name = "MIB")]
     shadow_memory: Option<u32>,
 
+    /// Texels by which simpler meshes, drawn into the shadow maps of wide lights in place of those of many triangles, may deviate from
+    /// them, 0 to 16; 0 draws all triangles [default: 0.25]
+    #[arg(long, value_name = "TEXELS")]
+    caster_deviation: Option<f32>,
+
     /// What the ambient rest of a fit does about shadows: cells (lights of its own), occlusion or unshadowed [default: cells]
     #[arg(long, value_name = "NAME")]
     ambient: Option<String>,
@@ -132,6 +137,7 @@ impl GpuArgs {
         set(&mut render.order, &self.order);
         set(&mut render.contact_samples, &self.contact_samples);
         set(&mut render.shadow_memory, &self.shadow_memory);
+        set(&mut render.caster_deviation, &self.caster_deviation);
         set(&mut render.ambient, &self.ambient);
         set(&mut render.ambient_cells, &self.ambient_cells);
         set(&mut render.supersample, &self.supersample);

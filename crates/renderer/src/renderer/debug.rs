@@ -5,6 +5,7 @@ use gnomon_scene::{Bounds, Camera};
 
 use super::{Lit, Renderer, Target};
 use crate::debug_view::{self, DebugGroup, DebugPass, DebugView};
+use crate::depth_maps::MapView;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -75,7 +76,7 @@ impl Renderer {
         &self,
         recorder: &mut Recorder<'_>,
         debug: &Debug,
-        (lit, target): (&Lit, &Target),
+        (lit, target, map_views): (&Lit, &Target, &[Vec<MapView>]),
         camera: &Camera,
         sample_size: [u32; 2],
     ) {
@@ -84,7 +85,7 @@ impl Renderer {
             lit.batches.draw_maps_again(
                 recorder,
                 &self.passes.shadow_map,
-                (&self.geometry, &lit.lighting),
+                (&self.geometry, map_views),
                 batch,
             );
         }

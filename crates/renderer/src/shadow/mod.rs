@@ -1,7 +1,7 @@
 //! Shadow techniques, side by side on one interface.
 //!
 //! A technique is a WGSL module with `visibility(light, position_world, normal_world, n) -> f32`, of the geometric and the shading
-//! normal, and, if it needs them, images made every frame from the lights' depth maps. To add one: a file here, its module, and a line in [`TECHNIQUES`].
+//! normal, and, if it needs them, images made every frame from the lights' depth maps. To add one: a file here, its module, and a line in `TECHNIQUES`.
 
 mod convolution;
 mod downsample;

@@ -54,6 +54,13 @@ pub fn shadows(fields: &mut Fields<'_>, wanted: &mut Look) {
     if let Some(picked) = fields.choice("map sizes", "shadow sizing", sizing(render.shadow_sizing), entries) {
         render.shadow_sizing = if picked == "uniform" { SizingName::Uniform } else { SizingName::Footprint };
     }
+    fields.number(
+        "deviation",
+        "caster deviation",
+        &mut render.caster_deviation,
+        0.0..=16.0,
+        "texels by which what is drawn into shadow maps may deviate from the meshes",
+    );
     if render.shadows != "convolution" {
         return;
     }

@@ -1,0 +1,106 @@
+//! Simpler meshes in the shadow maps of wide lights.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
+
+mod common;
+
+use common::*;
+use gnomon_envmap::Equirect;
+use gnomon_image::RgbImage;
+use gnomon_lights::{FitOptions, LightSet};
+use gnomon_metrics::{compare, tolerances};
+use gnomon_reference::ReferenceOptions;
+use gnomon_renderer::{Gpu, RenderSettings};
+use gnomon_scene::{LoadOptions, Scene};
+
+fn fit(method: &str, count: usize, map: &Equirect) -> LightSet {
+    let options = FitOptions { light_count: Some(count), ..Default::default() };
+    gnomon_lights::fit::by_name(method, &options).unwrap().fit(map).unwrap()
+}
+
+fn terrain_under_sky() -> (Scene, Equirect) {
+    let scene = gnomon_scene::builtin::by_name("terrain").unwrap();
+    (scene, gnomon_envmap::builtin::sized("sky", 256, 128).unwrap())
+}
+
+/// A terrain that shadows itself.
+fn terrain(gpu: &Gpu, shadows: &str, lights: (&str, usize), deviation: f32) -> RgbImage {
+    let (scene, map) = terrain_under_sky();
+    let set = fit(lights.0, lights.1, &map);
+    let settings = RenderSettings {
+        shadows: shadows.to_owned(),
+        caster_deviation_texels: deviation,
+        ..RenderSettings::default()
+    };
+    render(gpu, settings, &scene, &map, &set, &scene.cameras[0], [120, 90]).radiance
+}
+
+#[test]
+fn simpler_casters_do_not_show() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut worst_coarse = 0.0f64;
+    for shadows in ["pcss", "convolution", "moments", "hard"] {
+        let whole = terrain(&gpu, shadows, ("optimized", 16), 0.0);
+        let difference = |deviation| {
+            let picture = terrain(&gpu, shadows, ("optimized", 16), deviation);
+            compare(&picture, &whole, None).unwrap().relative_rmse
+        };
+        let simpler = difference(RenderSettings::default().caster_deviation_texels);
+        let coarse = difference(8.0);
+        println!("{shadows}: simpler {simpler:.5}, far too coarse {coarse:.5}");
+        assert!(simpler > 0.0 && simpler < tolerances::SIMPLER_CASTERS, "{shadows}: {simpler}");
+        assert!(coarse > 1.5 * simpler, "{shadows}: {coarse} {simpler}");
+        worst_coarse = worst_coarse.max(coarse);
+    }
+    // The gate must fail for meshes that are too coarse.
+    assert!(worst_coarse > tolerances::SIMPLER_CASTERS, "{worst_coarse}");
+}
+
+/// Chords over a hollow lie above it: receivers there must not take them for blockers.
+#[test]
+fn a_terrain_s_hollows_do_not_shadow_themselves() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (scene, map) = terrain_under_sky();
+    let options = ReferenceOptions { width: 120, height: 90, samples_per_pixel: 128, ..Default::default() };
+    let truth = gnomon_reference::render(&scene, &scene.cameras[0], &map, &options).unwrap().mean;
+    let error = |deviation| {
+        let picture = terrain(&gpu, "pcss", ("optimized", 16), deviation);
+        compare(&picture, &truth, None).unwrap().relative_rmse
+    };
+    let [whole, simpler] = [0.0, 0.5].map(error);
+    println!("all triangles {whole:.4}, simpler casters {simpler:.4}");
+    assert!(simpler <= whole + tolerances::SIMPLER_CASTERS_ERROR, "{simpler} against {whole}");
+}
+
+#[test]
+fn lights_without_width_see_every_triangle() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let [whole, simpler] = [0.0, 8.0].map(|deviation| terrain(&gpu, "hard", ("samples", 8), deviation));
+    assert_eq!(whole.texels(), simpler.texels());
+}
+
+#[test]
+fn simpler_casters_are_as_near_to_mitsuba() {
+    let data = |name: &str| gnomon_testing::data_file(name);
+    let (Some(scene), Some(map), Some(truth)) = (
+        data("scenes/bunny_on_ground.glb"),
+        data("reference/env_stpeters_latlong_512x256.exr"),
+        data("reference/bunny_flat_stpeters.exr"),
+    ) else {
+        return;
+    };
+    let Some(gpu) = gpu_or_skip() else { return };
+    let scene = gnomon_scene::load(&scene, &LoadOptions::default()).unwrap().scene;
+    let map = gnomon_envmap::load(&map, None).unwrap().map;
+    let truth = gnomon_image::read(&truth).unwrap().image;
+    let set = fit("optimized", 48, &map);
+    let error = |caster_deviation_texels| {
+        let settings = RenderSettings { caster_deviation_texels, ..RenderSettings::default() };
+        let size = [truth.width(), truth.height()];
+        let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], size);
+        compare(&frame.radiance, &truth, None).unwrap().relative_rmse
+    };
+    let [whole, simpler] = [0.0, RenderSettings::default().caster_deviation_texels].map(error);
+    println!("all triangles {whole:.4}, simpler casters {simpler:.4}");
+    assert!(simpler <= whole + tolerances::SIMPLER_CASTERS_ERROR, "{simpler} against {whole}");
+}
