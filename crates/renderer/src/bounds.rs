@@ -24,7 +24,7 @@ pub(crate) struct InstanceBox {
 /// Of coarser triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SimplerIndices {
-    /// From the mesh, in its space [m].
+    /// That of [`gnomon_scene::SimplerTriangles`] [m in the mesh's space].
     pub deviation: f32,
     pub indices: Range<u32>,
 }
@@ -69,7 +69,7 @@ pub(crate) struct PlacedBox {
     pub corners: [Vec3; 8],
     pub indices: Option<Range<u32>>,
     pub simpler: Vec<SimplerIndices>,
-    /// Length in the world of the longest of the mesh's unit axes.
+    /// Most by which lengths grow from the mesh to the world.
     scale: f32,
     /// Where it is flat and everything else lies on one side of it.
     pub ground: Option<Ground>,
@@ -127,7 +127,7 @@ impl PlacedBoxes {
             corners: *corners,
             indices: boxes[index].indices.clone(),
             simpler: boxes[index].simpler.clone(),
-            scale: longest_axis(&boxes[index].world_from_mesh),
+            scale: greatest_scale(&boxes[index].world_from_mesh),
             ground: ground(index),
         };
         Self { boxes: corners.iter().enumerate().map(placed).collect(), tolerance }
@@ -156,6 +156,7 @@ impl PlacedBoxes {
             }
         }
         replaced.sort_by_key(|range| range.start);
+        simpler.sort_by_key(|range| range.start);
         let starts = std::iter::once(0).chain(replaced.iter().map(|own| own.end));
         let ends = replaced.iter().map(|own| own.start).chain([end]);
         let whole = starts.zip(ends).map(|(start, end)| start..end);
@@ -180,7 +181,7 @@ pub(crate) struct Casters<'a> {
     /// Grounds of which this light shines on the side that bears everything are not drawn: a kernel that reached one below a wall would
     /// take it for a blocker.
     pub above: Option<&'a DistantLight>,
-    /// Meshes that deviate no more than this from what they should be are as good [m].
+    /// Simpler triangles of no more than this deviation are as good [m].
     pub deviation_world: f32,
 }
 
@@ -188,13 +189,15 @@ pub(crate) struct Casters<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnCasters {
     pub indices: Vec<Range<u32>>,
-    /// Most by which these triangles deviate from all that there are [m].
+    /// The greatest deviation among them [m].
     pub deviation_world: f32,
 }
 
-fn longest_axis(world_from_mesh: &Affine3A) -> f32 {
-    let axes = world_from_mesh.matrix3;
-    axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length())
+/// Most by which a placement lengthens anything; a bound where it shears (Gershgorin's of the matrix times its transpose).
+fn greatest_scale(world_from_mesh: &Affine3A) -> f32 {
+    let squares = world_from_mesh.matrix3.transpose() * world_from_mesh.matrix3;
+    let sum = |row: glam::Vec3A| row.abs().element_sum();
+    sum(squares.x_axis).max(sum(squares.y_axis)).max(sum(squares.z_axis)).sqrt()
 }
 
 /// Least and greatest height of points above a plane.
@@ -283,6 +286,12 @@ mod tests {
         assert_eq!(drawn(None, 0.021), [(0, 6), (12, 26)]);
         assert_eq!(drawn(None, 1.0), [(0, 6), (12, 20), (26, 29)]);
         assert_eq!(drawn(Some(&light), 1.0), [(12, 20), (26, 29)]);
+        // Across the diagonal of a shear lengths grow more than along any axis.
+        let shear = Affine3A::from_mat3(glam::Mat3::from_cols(Vec3::X, p(1.0, 1.0, 0.0), Vec3::Z));
+        assert!(
+            greatest_scale(&shear) >= 1.618
+                && (greatest_scale(&Affine3A::from_rotation_x(0.7)) - 1.0).abs() < 1e-6
+        );
         // Nothing is near enough to what is no number.
         assert_eq!(drawn(None, f32::NAN), [(0, 20)]);
     }

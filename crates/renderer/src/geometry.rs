@@ -30,7 +30,7 @@ pub(crate) struct DrawRange {
 
 /// The scene's triangles on the GPU: as they lie in their meshes, and in world space after the frame's first pass.
 ///
-/// Every instance has its own vertices, so one draw call holds the whole scene and a deformed instance is its own.
+/// Every instance has its own vertices, so one draw call can hold the whole scene and a deformed instance is its own.
 pub(crate) struct Geometry {
     pub positions_world: wgpu::Buffer,
     pub normals_world: wgpu::Buffer,
@@ -177,13 +177,20 @@ impl Geometry {
             }
         }
         let index_count = indices.len() as u32;
-        for (place, simplifications, first_vertex) in simpler {
-            // Where there is no room for them, meshes are drawn whole.
-            let fits = |triangles: usize| (indices.len() / 3 + triangles) as u64 <= most_triangles;
-            if fits(simplifications.iter().map(|simpler| simpler.triangles.len()).sum())
-                && let Some(place) = boxes.get_mut(place)
-            {
-                place.simpler = append(&mut indices, simplifications, first_vertex);
+        // Level after level, so that instances drawn at the same one lie side by side.
+        let levels = simpler.iter().map(|(_, simplifications, _)| simplifications.len()).max().unwrap_or(0);
+        for level in 0..levels {
+            for (place, simplifications, first_vertex) in &simpler {
+                let (Some(level), Some(place)) = (simplifications.get(level), boxes.get_mut(*place)) else {
+                    continue;
+                };
+                // Where there is no room for them, meshes are drawn whole.
+                if (indices.len() / 3 + level.triangles.len()) as u64 <= most_triangles {
+                    let start = indices.len() as u32;
+                    indices.extend(level.triangles.iter().flatten().map(|index| first_vertex + index));
+                    let range = start..indices.len() as u32;
+                    place.simpler.push(SimplerIndices { deviation: level.deviation, indices: range });
+                }
             }
         }
 
@@ -322,19 +329,6 @@ fn parts_and_simplifications(mesh: &Mesh) -> (Vec<MeshPart>, Vec<SimplerTriangle
     let parts = mesh.parts();
     let simpler = if parts.len() == 1 { mesh.simplifications() } else { Vec::new() };
     (parts, simpler)
-}
-
-fn append(
-    indices: &mut Vec<u32>,
-    simplifications: &[SimplerTriangles],
-    first_vertex: u32,
-) -> Vec<SimplerIndices> {
-    let mut appended = |simpler: &SimplerTriangles| {
-        let start = indices.len() as u32;
-        indices.extend(simpler.triangles.iter().flatten().map(|index| first_vertex + index));
-        SimplerIndices { deviation: simpler.deviation, indices: start..indices.len() as u32 }
-    };
-    simplifications.iter().map(&mut appended).collect()
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.

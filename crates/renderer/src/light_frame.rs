@@ -12,8 +12,8 @@ pub(crate) const MARGIN_TEXELS: f32 = 2.0;
 /// Widest margin for penumbrae around the models, as a share of their width in the map.
 const MAX_PENUMBRA_MARGIN: f32 = 0.25;
 
-/// Most by which simpler meshes deviate, as a share of the widest penumbra.
-const OF_PENUMBRA: f32 = 0.02;
+/// Greatest deviation of simpler meshes, as a share of [`footprint`] at the depth of the map: some hundredth of the widest penumbra.
+const OF_FOOTPRINT: f32 = 0.02;
 
 /// Variance, in squared texels of its level, of a bilinear lookup in the mip chain: 1/4 from the chain's kernel
 /// [1 3 3 1] / 8 and 1/6 on average from the interpolation.
@@ -30,8 +30,8 @@ pub(crate) fn footprint(light: &DistantLight) -> f32 {
     (variance / LOOKUP_VARIANCE).sqrt()
 }
 
-/// How far what is drawn into the light's map may deviate from the scene: so many texels, and no more than a share of the widest
-/// penumbra, so that sharp edges stay as they are [m].
+/// What simpler meshes drawn into the light's map may deviate by: so many texels, and no more than a share of the widest penumbra, so
+/// that sharp edges stay as they are [m].
 pub(crate) fn hidden_deviation(
     light: &DistantLight,
     uniform: &layout::Light,
@@ -39,7 +39,7 @@ pub(crate) fn hidden_deviation(
     texels: f32,
 ) -> f32 {
     let texel = uniform.map_width_world / resolution as f32;
-    (texels * texel).min(OF_PENUMBRA * footprint(light) * uniform.depth_range_world)
+    (texels * texel).min(OF_FOOTPRINT * footprint(light) * uniform.depth_range_world)
 }
 
 /// What a light's shadow map has to hold.

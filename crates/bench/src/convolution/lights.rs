@@ -80,7 +80,7 @@ impl Experiment for Lights {
                 counts(lab, &scenery, (start, 0.6 * share), &mut section)?;
             }
             if index + 1 == environments.len() || lab.effort() != Effort::Quick {
-                let resolutions: &[u32] = lab.pick(&[32], &[128], &[128, 256]);
+                let resolutions: &[u32] = lab.pick(&[32], &[128], &[64, 128, 256]);
                 for (step, &resolution) in resolutions.iter().enumerate() {
                     let message = format!("lights: many hard maps of {resolution}, {}", environment.name);
                     let done = 0.7 + 0.3 * step as f32 / resolutions.len() as f32;
@@ -89,7 +89,7 @@ impl Experiment for Lights {
                 }
             }
             section.paragraphs.push(format!(
-                "{}: {} triangles, {} x {} pixels of 2 x 2 samples, {resolution} x {resolution} maps, truth: {}.",
+                "{}: {} triangles, {} x {} pixels of 2 x 2 samples, truth: {}; numbers of lights: maps of {resolution} x {resolution} texels at most.",
                 environment.name,
                 stage.scene.triangle_count(),
                 size[0],
