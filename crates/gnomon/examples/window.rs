@@ -27,7 +27,8 @@ impl View {
         let config = surface.get_default_config(&adapter, 0, 0).ok_or("the surface has no format")?;
         let presenter = Presenter::new(&gpu, config.format)?;
         let map = envmap::builtin::by_name("room").ok_or("no such environment")?;
-        let mut renderer = Renderer::new(&gpu, RenderSettings { samples: 1, ..Default::default() })?;
+        let mut renderer =
+            Renderer::new(&gpu, RenderSettings::default().with(|s| s.techniques.supersample = 1))?;
         renderer.set_scene(&scene::builtin::by_name("three-boxes")?)?;
         renderer.set_lighting(&map, &fit::by_name("optimized", &fit::FitOptions::default())?.fit(&map)?)?;
         Ok(Self { window, surface, config, renderer, presenter, angle: 0.0 })

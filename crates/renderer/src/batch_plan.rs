@@ -13,7 +13,7 @@ const FOOTPRINT_AT_FULL_RESOLUTION: f32 = 0.15;
 /// How large the lights' shadow maps are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowSizing {
-    /// The wider the light, the coarser its map: [`crate::RenderSettings::shadow_resolution`] is the largest.
+    /// The wider the light, the coarser its map: [`crate::TechniqueSettings::shadow_resolution`] is the largest.
     #[default]
     Footprint,
     /// All alike.

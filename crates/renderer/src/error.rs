@@ -59,7 +59,7 @@ pub enum RenderError {
         /// Adapter name.
         adapter: String,
     },
-    /// The shadow maps of a single light of each size are more than [`crate::RenderSettings::shadow_memory_bytes`].
+    /// The shadow maps of a single light of each size are more than [`crate::TechniqueSettings::shadow_memory`].
     #[error(
         "shadow maps of one light of each size take {} MiB and the budget is {} MiB: raise the shadow memory or lower the shadow \
          resolution",

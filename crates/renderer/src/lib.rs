@@ -45,6 +45,6 @@ pub use lighting::PreparedLighting;
 pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Frame, Renderer};
-pub use settings::RenderSettings;
+pub use settings::{DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings};
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

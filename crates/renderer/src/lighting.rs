@@ -47,7 +47,8 @@ impl PreparedLighting {
     /// # Errors
     /// [`RenderError::UnknownName`] or [`RenderError::OutOfRange`] for what the settings say of the ambient rest.
     pub fn new(map: &Equirect, set: &LightSet, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let (method, ambient_cells) = (ambient::by_name(&settings.ambient)?, settings.ambient_cells);
+        let (method, ambient_cells) =
+            (ambient::by_name(&settings.lighting.ambient)?, settings.lighting.ambient_cells);
         let ambient = method.lights(set, ambient_cells)?;
         Ok(Self {
             ambient: method,

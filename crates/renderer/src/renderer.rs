@@ -43,7 +43,7 @@ pub struct Frame {
     pub radiance: RgbImage,
     /// Exposed, tone-mapped and sRGB-encoded: RGBA, 8 bits, top row first.
     pub display: Vec<[u8; 4]>,
-    /// Time of every pass, where [`RenderSettings::profile`] is on.
+    /// Time of every pass, where [`crate::MeasureSettings::profile`] is on.
     pub timings: Vec<PassTiming>,
 }
 
@@ -99,10 +99,10 @@ impl Renderer {
     /// A setting names nothing or is out of range, or the device failed.
     pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
         settings.check()?;
-        let technique = shadow::by_name(&settings.shadows)?;
-        let ambient = ambient::by_name(&settings.ambient)?;
-        let compositing = composite::by_name(&settings.compositing)?;
-        let unshadowed = unshadowed::by_name(&settings.unshadowed)?;
+        let technique = shadow::by_name(&settings.techniques.shadows)?;
+        let ambient = ambient::by_name(&settings.lighting.ambient)?;
+        let compositing = composite::by_name(&settings.techniques.compositing)?;
+        let unshadowed = unshadowed::by_name(&settings.techniques.unshadowed)?;
         let gbuffer = GBufferPass::new(gpu)?;
         let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
         let compose = ComposePass::new(gpu, &gbuffer.read_layout, &points.compose_layout, compositing)?;
@@ -192,9 +192,12 @@ impl Renderer {
     /// [`RenderError::OutOfRange`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
     pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
         let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
-        let settings = RenderSettings { shadow_resolution, shadow_sampling, ..self.settings.clone() };
+        let settings = self.settings.clone().with(|s| {
+            s.techniques.shadow_resolution = shadow_resolution;
+            s.techniques.shadow_sampling = shadow_sampling;
+        });
         settings.check()?;
-        let ambient = self.ambient.lights(set, self.settings.ambient_cells)?;
+        let ambient = self.ambient.lights(set, self.settings.lighting.ambient_cells)?;
         let Some(lit) = &self.lighting else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
@@ -204,14 +207,15 @@ impl Renderer {
             self.settings = before;
             return Err(error);
         }
-        if before.shadow_sampling != shadow_sampling {
+        if before.techniques.shadow_sampling != shadow_sampling {
             self.target = None;
         }
         self.gpu.check()
     }
 
     fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
-        let largest = self.gpu.device.limits().max_texture_dimension_2d / self.settings.samples;
+        let largest =
+            self.gpu.device.limits().max_texture_dimension_2d / self.settings.techniques.supersample;
         in_range("picture width", width, 1..=largest)?;
         in_range("picture height", height, 1..=largest)?;
         Ok(())
@@ -235,13 +239,13 @@ impl Renderer {
         let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
-        let samples = self.settings.samples;
+        let samples = self.settings.techniques.supersample;
         let sample_size = size.map(|side| side * samples);
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
         let matrices = matrices.cropped(height, rows);
         let map_views = self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
 
-        let mut recorder = Recorder::new(gpu, self.settings.profile);
+        let mut recorder = Recorder::new(gpu, self.settings.measure.profile);
         if is_first {
             self.passes.transform.encode(&mut recorder, &self.geometry);
         }
@@ -265,7 +269,8 @@ impl Renderer {
             (gbuffer_group, &target.points),
             is_first,
         )?;
-        let (mut exposure, mut tone_mapping) = (self.settings.exposure_ev, self.settings.tone_mapping);
+        let (mut exposure, mut tone_mapping) =
+            (self.settings.display.exposure.unwrap_or(0.0), self.settings.display.tone_mapping);
         if let Some(debug) = &self.debug {
             self.encode_debug_view(&mut recorder, debug, (lit, target, &map_views), camera, sample_size);
             recorder.end_pass("debug view")?;
@@ -300,9 +305,9 @@ impl Renderer {
             world_from_clip: matrices.world_from_clip.to_cols_array_2d(),
             eye_world: matrices.eye_world.to_array(),
             size: [width, height],
-            flags: flag(self.settings.background, layout::FLAG_BACKGROUND)
+            flags: flag(self.settings.display.background, layout::FLAG_BACKGROUND)
                 | flag(self.unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
-            shadow_sampling: self.settings.shadow_sampling,
+            shadow_sampling: self.settings.techniques.shadow_sampling,
             sample_extent: matrices.view_width / width as f32,
             interleave,
             padding_0: 0.0,
@@ -314,14 +319,14 @@ impl Renderer {
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
         self.cache.write(&self.gpu, to_viewer, environment_from_world);
-        let offset = self.settings.normal_offset_texels;
+        let offset = self.settings.techniques.normal_offset;
         let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
         lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, &self.geometry, offset, only)
     }
 
     fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
         let gpu = &self.gpu;
-        let sample_size = size.map(|side| side * self.settings.samples);
+        let sample_size = size.map(|side| side * self.settings.techniques.supersample);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
         let [width, height] = sample_size;
         let samples = gpu
@@ -329,8 +334,8 @@ impl Renderer {
             .create_view(&Default::default());
         Ok(Target {
             size,
-            gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.samples),
-            points: self.passes.points.points(gpu, sample_size, self.settings.shadow_sampling)?,
+            gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.techniques.supersample),
+            points: self.passes.points.points(gpu, sample_size, self.settings.techniques.shadow_sampling)?,
             sample_group: self.passes.compose.output_group(gpu, &samples),
             output: self.passes.resolve.output(gpu, &samples, size),
         })

@@ -5,9 +5,54 @@ use crate::batch_plan::ShadowSizing;
 use crate::shadow::{self, ShadowSettings};
 use crate::{ambient, composite, unshadowed};
 
-/// How frames are drawn.
-#[derive(Clone, Debug)]
+/// How frames are drawn, in parts that change together.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderSettings {
+    /// How radiance is shown: constants of the next frame.
+    pub display: DisplaySettings,
+    /// What lights are made of an environment beside those of its fit: they are made anew.
+    pub lighting: LightingSettings,
+    /// How visibility is found and light is summed: pipelines, shadow maps and buffers are made anew, meshes and lights stay.
+    pub techniques: TechniqueSettings,
+    /// What is measured along the way: the next frame.
+    pub measure: MeasureSettings,
+}
+
+/// How radiance becomes a displayed picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplaySettings {
+    /// Stops of exposure; 0 where nobody says.
+    pub exposure: Option<f32>,
+    /// Tone mapping.
+    pub tone_mapping: ToneMapping,
+    /// Draw the environment behind the scene.
+    pub background: bool,
+}
+
+impl Default for DisplaySettings {
+    fn default() -> Self {
+        Self { exposure: None, tone_mapping: ToneMapping::default(), background: true }
+    }
+}
+
+/// What becomes of the light that a fit leaves over.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightingSettings {
+    /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
+    pub ambient: String,
+    /// Lights or probes that the ambient rest may become, 6 to 4096.
+    pub ambient_cells: usize,
+}
+
+impl Default for LightingSettings {
+    fn default() -> Self {
+        Self { ambient: "cells".to_owned(), ambient_cells: 32 }
+    }
+}
+
+/// How visibility is found and light is summed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TechniqueSettings {
     /// One of [`crate::shadow::names`].
     pub shadows: String,
     /// Parameters of the techniques.
@@ -16,17 +61,13 @@ pub struct RenderSettings {
     pub shadow_resolution: u32,
     /// How that becomes the size of each light's map.
     pub shadow_sizing: ShadowSizing,
-    /// Bytes of GPU memory for shadow maps and their images. Lights that do not fit take turns.
-    pub shadow_memory_bytes: u64,
+    /// GPU memory for shadow maps and their images [MiB]. Lights that do not fit take turns.
+    pub shadow_memory: u32,
     /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
-    pub normal_offset_texels: f32,
+    pub normal_offset: f32,
     /// What is drawn into the maps of wide lights may deviate from the scene by this many depth-map texels, 0 to 16; 0 draws all
     /// triangles for all lights.
-    pub caster_deviation_texels: f32,
-    /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
-    pub ambient: String,
-    /// Lights or probes that the ambient rest may become, 6 to 4096.
-    pub ambient_cells: usize,
+    pub caster_deviation: f32,
     /// Name of a rule in [`crate::composite::COMPOSITINGS`].
     pub compositing: String,
     /// Name of a source in [`crate::unshadowed::UNSHADOWED`].
@@ -34,64 +75,65 @@ pub struct RenderSettings {
     /// Texels along the side of a lobe's map in the radiance cache, 16 to 1024.
     pub radiance_cache_resolution: u32,
     /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
-    pub samples: u32,
+    pub supersample: u32,
     /// Samples along the side of a tile of the shadow buffer, 1, 2, 4, 8, 16 or 32: lights are summed once a tile, and wherever a
     /// sample is unlike the tiles around it (DeCoro and Rusinkiewicz 2008, section 3.2).
     pub shadow_sampling: u32,
-    /// Stops of exposure of the displayed picture.
-    pub exposure_ev: f32,
-    /// Tone mapping of the displayed picture.
-    pub tone_mapping: ToneMapping,
-    /// Draw the environment behind the scene.
-    pub background: bool,
-    /// Submit every pass alone and time it: slower, for statistics.
-    pub profile: bool,
 }
 
-impl Default for RenderSettings {
+impl Default for TechniqueSettings {
     fn default() -> Self {
         Self {
             shadows: "pcss".to_owned(),
             shadow_settings: ShadowSettings::default(),
             shadow_resolution: 256,
             shadow_sizing: ShadowSizing::default(),
-            shadow_memory_bytes: 1 << 30,
-            normal_offset_texels: 1.5,
-            caster_deviation_texels: 0.25,
-            ambient: "cells".to_owned(),
-            ambient_cells: 32,
+            shadow_memory: 1024,
+            normal_offset: 1.5,
+            caster_deviation: 0.25,
             compositing: "ratio".to_owned(),
             unshadowed: "auto".to_owned(),
             radiance_cache_resolution: 128,
-            samples: 2,
+            supersample: 2,
             shadow_sampling: 2,
-            exposure_ev: 0.0,
-            tone_mapping: ToneMapping::default(),
-            background: true,
-            profile: false,
         }
     }
 }
 
+/// What is measured along the way.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MeasureSettings {
+    /// Submit every pass alone and time it: slower, for statistics.
+    pub profile: bool,
+}
+
 impl RenderSettings {
+    /// These settings with a change.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
     /// Whether all names stand for something and all numbers are in range.
     ///
     /// # Errors
     /// [`RenderError::UnknownName`] or [`RenderError::OutOfRange`] for the first that does not.
     pub fn check(&self) -> Result<(), RenderError> {
-        shadow::by_name(&self.shadows)?;
-        ambient::by_name(&self.ambient)?;
-        composite::by_name(&self.compositing)?;
-        unshadowed::by_name(&self.unshadowed)?;
-        in_range("samples along a pixel's side", self.samples, 1..=8)?;
-        in_range("exposure", self.exposure_ev, -100.0..=100.0)?;
-        in_range("deviation of shadow casters in texels", self.caster_deviation_texels, 0.0..=16.0)?;
-        in_range("cells of the ambient rest", self.ambient_cells, 6..=4096)?;
-        in_range("resolution of the radiance cache", self.radiance_cache_resolution, 16..=1024)?;
-        check_power_of_two("shadow map resolution", self.shadow_resolution, 16..=8192)?;
+        let Self { display, lighting, techniques, .. } = self;
+        shadow::by_name(&techniques.shadows)?;
+        ambient::by_name(&lighting.ambient)?;
+        composite::by_name(&techniques.compositing)?;
+        unshadowed::by_name(&techniques.unshadowed)?;
+        in_range("samples along a pixel's side", techniques.supersample, 1..=8)?;
+        in_range("exposure", display.exposure.unwrap_or(0.0), -100.0..=100.0)?;
+        in_range("deviation of shadow casters in texels", techniques.caster_deviation, 0.0..=16.0)?;
+        in_range("cells of the ambient rest", lighting.ambient_cells, 6..=4096)?;
+        in_range("resolution of the radiance cache", techniques.radiance_cache_resolution, 16..=1024)?;
+        check_power_of_two("shadow map resolution", techniques.shadow_resolution, 16..=8192)?;
         check_power_of_two(
             "samples along the side of a tile of the shadow buffer",
-            self.shadow_sampling,
+            techniques.shadow_sampling,
             1..=32,
         )
     }

@@ -73,21 +73,24 @@ impl ShadowBatches {
         let all: Vec<Member<'_>> = members(lighting.fitted(), near_lights).collect();
         let resolution = |member: &Member<'_>| match member {
             _ if !with_maps => 1,
-            Member::Distant { light, .. } => {
-                settings.shadow_sizing.resolution(footprint(light), settings.shadow_resolution)
-            }
-            Member::Near(_) => settings.shadow_resolution,
+            Member::Distant { light, .. } => settings
+                .techniques
+                .shadow_sizing
+                .resolution(footprint(light), settings.techniques.shadow_resolution),
+            Member::Near(_) => settings.techniques.shadow_resolution,
         };
         let resolutions: Vec<u32> = all.iter().map(resolution).collect();
         let bytes_per_light = |resolution| match with_maps {
             true => {
                 DepthMaps::bytes_per_light(resolution)
-                    + technique.bytes_per_light(&settings.shadow_settings, resolution)
+                    + technique.bytes_per_light(&settings.techniques.shadow_settings, resolution)
             }
             false => 0,
         };
         let lights_per_class = match with_maps {
-            true => gpu.max_layers() / technique.layers_per_light(&settings.shadow_settings).max(1),
+            true => {
+                gpu.max_layers() / technique.layers_per_light(&settings.techniques.shadow_settings).max(1)
+            }
             false => u32::MAX,
         };
         let lights_per_class = lights_per_class.min(layout::MAX_BATCH_LIGHTS);
@@ -95,7 +98,7 @@ impl ShadowBatches {
             &resolutions,
             &Budget {
                 bytes_per_light: &bytes_per_light,
-                bytes: settings.shadow_memory_bytes,
+                bytes: u64::from(settings.techniques.shadow_memory) << 20,
                 lights_per_class,
                 adapter: &gpu.adapter().name,
             },
@@ -111,7 +114,7 @@ impl ShadowBatches {
         for (index, class) in planned.into_iter().enumerate() {
             let maps = if with_maps { class.capacity } else { 0 };
             let depth_maps = DepthMaps::new(gpu, maps, class.resolution);
-            let shadows = technique.resources(gpu, &settings.shadow_settings, &depth_maps)?;
+            let shadows = technique.resources(gpu, &settings.techniques.shadow_settings, &depth_maps)?;
             classes.push(ClassMaps { depth_maps, shadows });
             for members in class.batches {
                 let place = batches.len();
@@ -123,7 +126,7 @@ impl ShadowBatches {
             batches,
             bytes,
             technique,
-            caster_deviation_texels: settings.caster_deviation_texels,
+            caster_deviation_texels: settings.techniques.caster_deviation,
         })
     }
 

@@ -38,11 +38,10 @@ fn constant_environment_over_lambert_is_albedo_times_radiance() {
     // A sphere shadows nothing that its own horizon does not, so every technique must agree.
     for (shadows, _) in shadow::names() {
         for rule in composite::COMPOSITINGS {
-            let settings = RenderSettings {
-                shadows: shadows.to_owned(),
-                compositing: rule.name.to_owned(),
-                ..Default::default()
-            };
+            let settings = RenderSettings::default().with(|s| {
+                s.techniques.shadows = shadows.to_owned();
+                s.techniques.compositing = rule.name.to_owned();
+            });
             let frame = render(&gpu, settings, &scene, &map, &set, &camera, [16, 16]);
             let worst = frame
                 .radiance
@@ -69,7 +68,7 @@ fn a_ggx_furnace_gives_its_directional_albedo() {
         let surface =
             Surface { base_color: Vec3::ONE, metallic: 1.0, roughness, specular: 1.0, ..Default::default() };
         let scene = scene_of(vec![sphere()], material(surface));
-        let settings = RenderSettings { shadows: "none".to_owned(), ..Default::default() };
+        let settings = RenderSettings::default().with(|s| s.techniques.shadows = "none".to_owned());
         let frame = render(&gpu, settings, &scene, &map, &set, &camera, [4, 4]);
         let albedo = gnomon_brdf::dfg(1.0, roughness).element_sum();
         let seen = frame.radiance.get(2, 2).x;
@@ -86,7 +85,7 @@ fn the_background_is_the_environment() {
     let map =
         Equirect::new(RgbImage::from_fn(32, 16, |x, y| Vec3::new(x as f32, y as f32, (x * y % 7) as f32)));
     let set = LightSet::new("test", Vec::new(), map.clone());
-    let settings = RenderSettings { samples: 1, ..Default::default() };
+    let settings = RenderSettings::default().with(|s| s.techniques.supersample = 1);
     for target in [Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::new(0.1, 0.9, 0.2), Vec3::new(-0.3, -0.9, 0.1)] {
         let camera = Camera::look_at(Vec3::ZERO, target, 80_f32.to_radians());
         let frame = render(&gpu, settings.clone(), &Scene::default(), &map, &set, &camera, [33, 21]);
@@ -124,13 +123,12 @@ fn penumbra_profile(
         projection: Projection::Orthographic { half_width: 0.5 },
         ..Camera::look_at(Vec3::new(0.0, 0.5 * height, 0.0), Vec3::ZERO, 1.0)
     };
-    let settings = RenderSettings {
-        shadows: shadows.to_owned(),
-        compositing: "additive".to_owned(),
-        shadow_resolution: 512,
-        samples: 1,
-        ..Default::default()
-    };
+    let settings = RenderSettings::default().with(|s| {
+        s.techniques.shadows = shadows.to_owned();
+        s.techniques.compositing = "additive".to_owned();
+        s.techniques.shadow_resolution = 512;
+        s.techniques.supersample = 1;
+    });
     let frame = render(gpu, settings, &scene, &no_light(), &set, &camera, [400, 5]);
     let sine = angular_radius.sin();
     // Irradiance pi sin^2 r over a white Lambert surface reflects sin^2 r.
@@ -203,11 +201,11 @@ fn nothing_to_draw_and_wrong_settings_are_defined() {
         gnomon_renderer::Renderer::new(&gpu, settings).err().map(|error| error.to_string())
     };
     let names = shadow::names().map(|(name, _)| name).collect::<Vec<_>>().join(", ");
-    assert!(wrong(&|s| s.shadows = "moonlight".to_owned()).unwrap().contains(&names));
-    assert!(wrong(&|s| s.compositing = "xor".to_owned()).unwrap().contains("additive"));
-    assert!(wrong(&|s| s.shadow_resolution = 100).unwrap().contains("power of two"));
-    assert!(wrong(&|s| s.samples = 0).unwrap().contains("1 to 8"));
-    assert!(wrong(&|s| s.exposure_ev = f32::NAN).is_some());
+    assert!(wrong(&|s| s.techniques.shadows = "moonlight".to_owned()).unwrap().contains(&names));
+    assert!(wrong(&|s| s.techniques.compositing = "xor".to_owned()).unwrap().contains("additive"));
+    assert!(wrong(&|s| s.techniques.shadow_resolution = 100).unwrap().contains("power of two"));
+    assert!(wrong(&|s| s.techniques.supersample = 0).unwrap().contains("1 to 8"));
+    assert!(wrong(&|s| s.display.exposure = Some(f32::NAN)).is_some());
     let mut renderer = gnomon_renderer::Renderer::new(&gpu, RenderSettings::default()).unwrap();
     assert!(renderer.render(&camera, 8, 8).is_err(), "no lighting was set");
     renderer.set_lighting(&no_light(), &black).unwrap();
@@ -242,7 +240,7 @@ fn nothing_between_the_models_and_the_light_is_shadowed() {
         let (side, ahead) = turn.to_radians().sin_cos();
         let set = one_disk(Vec3::new(cos * ahead, sin, cos * side), 0.1);
         let picture = |shadows: &str| {
-            let settings = RenderSettings { shadow_sampling: 1, ..edge::settings(shadows) };
+            let settings = edge::settings(shadows).with(|s| s.techniques.shadow_sampling = 1);
             render(&gpu, settings, &scene, &no_light(), &set, &camera, [96, 96]).radiance
         };
         let unshadowed = picture("none");
@@ -296,11 +294,10 @@ fn a_shadow_of_what_stands_near_the_horizon_costs_little_of_a_low_light() {
     let set = LightSet::new("test", vec![light], no_light());
     let visible = |shadows: &str| {
         let picture = |shadows: &str| {
-            let settings = RenderSettings {
-                shadows: shadows.to_owned(),
-                compositing: "additive".to_owned(),
-                ..Default::default()
-            };
+            let settings = RenderSettings::default().with(|s| {
+                s.techniques.shadows = shadows.to_owned();
+                s.techniques.compositing = "additive".to_owned();
+            });
             render(&gpu, settings, &scene, &no_light(), &set, &camera, [3, 3]).radiance.get(1, 1).x
         };
         picture(shadows) / picture("none")
@@ -335,7 +332,10 @@ fn an_almost_upright_edge_has_as_many_steps_as_samples_allow() {
     let scene = scene_of(vec![edge], material(black));
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 2.0 * 0.25_f32.atan());
     for (samples, steps) in [(1, 1), (2, 4), (3, 3), (4, 8)] {
-        let settings = RenderSettings { samples, shadows: "none".to_owned(), ..Default::default() };
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.supersample = samples;
+            s.techniques.shadows = "none".to_owned();
+        });
         let frame = render(&gpu, settings, &scene, &map, &set, &camera, [SIZE, SIZE]);
         let worst = (0..SIZE)
             .map(|row| {
@@ -360,12 +360,11 @@ fn a_surface_hides_light_below_it_from_its_own_shading_normals() {
     let camera = Camera::look_at(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 30_f32.to_radians());
     let lit = |shadows: &str, elevation: f32| {
         let towards = Vec3::new(elevation.to_radians().cos(), elevation.to_radians().sin(), 0.0);
-        let settings = RenderSettings {
-            shadows: shadows.to_owned(),
-            compositing: "additive".to_owned(),
-            background: false,
-            ..Default::default()
-        };
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.shadows = shadows.to_owned();
+            s.techniques.compositing = "additive".to_owned();
+            s.display.background = false;
+        });
         let set = one_disk(towards, 5_f32.to_radians());
         render(&gpu, settings, &scene, &no_light(), &set, &camera, [8, 8]).radiance.get(4, 4).x
     };

@@ -27,11 +27,10 @@ fn terrain_under_sky() -> (Scene, Equirect) {
 fn terrain(gpu: &Gpu, shadows: &str, lights: (&str, usize), deviation: f32) -> RgbImage {
     let (scene, map) = terrain_under_sky();
     let set = fit(lights.0, lights.1, &map);
-    let settings = RenderSettings {
-        shadows: shadows.to_owned(),
-        caster_deviation_texels: deviation,
-        ..RenderSettings::default()
-    };
+    let settings = RenderSettings::default().with(|s| {
+        s.techniques.shadows = shadows.to_owned();
+        s.techniques.caster_deviation = deviation;
+    });
     render(gpu, settings, &scene, &map, &set, &scene.cameras[0], [120, 90]).radiance
 }
 
@@ -45,7 +44,7 @@ fn simpler_casters_do_not_show() {
             let picture = terrain(&gpu, shadows, ("optimized", 16), deviation);
             compare(&picture, &whole, None).unwrap().relative_rmse
         };
-        let simpler = difference(RenderSettings::default().caster_deviation_texels);
+        let simpler = difference(RenderSettings::default().techniques.caster_deviation);
         let coarse = difference(8.0);
         println!("{shadows}: simpler {simpler:.5}, far too coarse {coarse:.5}");
         assert!(simpler > 0.0 && simpler < tolerances::SIMPLER_CASTERS, "{shadows}: {simpler}");
@@ -94,13 +93,13 @@ fn simpler_casters_are_as_near_to_mitsuba() {
     let map = gnomon_envmap::load(&map, None).unwrap().map;
     let truth = gnomon_image::read(&truth).unwrap().image;
     let set = fit("optimized", 48, &map);
-    let error = |caster_deviation_texels| {
-        let settings = RenderSettings { caster_deviation_texels, ..RenderSettings::default() };
+    let error = |deviation| {
+        let settings = RenderSettings::default().with(|s| s.techniques.caster_deviation = deviation);
         let size = [truth.width(), truth.height()];
         let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], size);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
-    let [whole, simpler] = [0.0, RenderSettings::default().caster_deviation_texels].map(error);
+    let [whole, simpler] = [0.0, RenderSettings::default().techniques.caster_deviation].map(error);
     println!("all triangles {whole:.4}, simpler casters {simpler:.4}");
     assert!(simpler <= whole + tolerances::SIMPLER_CASTERS_ERROR, "{simpler} against {whole}");
 }

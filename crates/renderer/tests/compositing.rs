@@ -79,15 +79,14 @@ fn no_rule_leaves_negative_or_infinite_pixels_on_glossy_surfaces() {
         let set = by_name(fit, &options).unwrap().fit(&map).unwrap();
         for compositing in COMPOSITINGS.iter().map(|entry| entry.name) {
             for (unshadowed, shadow_sampling) in [("auto", 1), ("cache", 4), ("sh", 2)] {
-                let settings = RenderSettings {
-                    shadows: shadows.to_owned(),
-                    compositing: compositing.to_owned(),
-                    unshadowed: unshadowed.to_owned(),
-                    shadow_resolution: 64,
-                    shadow_sampling,
-                    samples: 1,
-                    ..RenderSettings::default()
-                };
+                let settings = RenderSettings::default().with(|s| {
+                    s.techniques.shadows = shadows.to_owned();
+                    s.techniques.compositing = compositing.to_owned();
+                    s.techniques.unshadowed = unshadowed.to_owned();
+                    s.techniques.shadow_resolution = 64;
+                    s.techniques.shadow_sampling = shadow_sampling;
+                    s.techniques.supersample = 1;
+                });
                 let picture = render(&gpu, settings, &scene, &map, &set, &camera, SIZE).radiance;
                 let what = format!("{count} of {fit}, {compositing}, {unshadowed}");
                 assert_eq!(faults(&picture), 0, "{what}");

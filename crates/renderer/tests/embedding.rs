@@ -36,7 +36,8 @@ fn camera() -> Camera {
 }
 
 fn lit_renderer(gpu: &Gpu) -> Renderer {
-    let mut renderer = Renderer::new(gpu, RenderSettings { samples: 1, ..Default::default() }).unwrap();
+    let mut renderer =
+        Renderer::new(gpu, RenderSettings::default().with(|s| s.techniques.supersample = 1)).unwrap();
     renderer.set_scene(&scene_of(vec![sphere()], Material::default())).unwrap();
     renderer.set_lighting(&constant_map(Vec3::ONE), &one_disk(Vec3::Y, 0.4)).unwrap();
     renderer

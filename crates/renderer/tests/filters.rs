@@ -18,7 +18,7 @@ type Change = fn(&mut ConvolutionSettings);
 
 fn convolution(change: impl Fn(&mut ConvolutionSettings)) -> RenderSettings {
     let mut settings = settings("convolution");
-    change(&mut settings.shadow_settings.convolution);
+    change(&mut settings.techniques.shadow_settings.convolution);
     settings
 }
 
@@ -227,7 +227,7 @@ fn contact_shadows_touch() {
         assert!(brightest <= tolerances::LIGHT_LEAK, "{name}: {brightest}");
     }
     let mut biased = settings("hard");
-    biased.shadow_settings.hard.depth_bias = 0.9;
+    biased.techniques.shadow_settings.hard.depth_bias = 0.9;
     let lifted = foot(&biased);
     assert!(lifted > tolerances::LIGHT_LEAK, "a shadow that does not touch: {lifted}");
 }

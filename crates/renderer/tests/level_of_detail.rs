@@ -31,7 +31,10 @@ fn a_live_renderer_at_another_level_draws_what_a_fresh_one_draws() {
     let camera = scene.cameras[0].clone();
     // Disks leave an ambient rest, which changes with their number.
     for (method, ambient) in [("partition", "cells"), ("disks", "unshadowed")] {
-        let settings = RenderSettings { samples: 1, ambient: ambient.to_owned(), ..Default::default() };
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.supersample = 1;
+            s.lighting.ambient = ambient.to_owned();
+        });
         let mut live = Renderer::new(&gpu, settings.clone()).unwrap();
         live.set_scene(&scene).unwrap();
         live.set_lighting(&map, &lights(method, &map, 8)).unwrap();
@@ -41,7 +44,10 @@ fn a_live_renderer_at_another_level_draws_what_a_fresh_one_draws() {
             let set = lights(method, &map, count);
             live.set_level_of_detail(level, &set).unwrap();
             let found = live.render(&camera, SIZE[0], SIZE[1]).unwrap().radiance;
-            let fresh = RenderSettings { shadow_resolution, shadow_sampling, ..settings.clone() };
+            let fresh = settings.clone().with(|s| {
+                s.techniques.shadow_resolution = shadow_resolution;
+                s.techniques.shadow_sampling = shadow_sampling;
+            });
             let expected = render(&gpu, fresh, &scene, &map, &set, &camera, SIZE).radiance;
             let error = compare(&found, &expected, None).unwrap().relative_rmse;
             assert!(error < 1e-5, "{method} {level:?}: {error}");
@@ -75,7 +81,10 @@ fn with_lamps(count: usize) -> Scene {
 fn real_frames_settle_at_the_budget_also_with_twice_the_lamps_and_replay_exactly() {
     let Some(gpu) = gpu_or_skip() else { return };
     let map = sky();
-    let settings = RenderSettings { samples: 1, profile: true, ..Default::default() };
+    let settings = RenderSettings::default().with(|s| {
+        s.techniques.supersample = 1;
+        s.measure.profile = true;
+    });
     let mut renderer = Renderer::new(&gpu, settings).unwrap();
     let scene = with_lamps(4);
     renderer.set_scene(&scene).unwrap();

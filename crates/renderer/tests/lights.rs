@@ -50,7 +50,11 @@ fn downward(height: f32, half_width: f32) -> Camera {
 }
 
 fn settings(shadows: &str) -> RenderSettings {
-    RenderSettings { shadows: shadows.to_owned(), shadow_resolution: 512, samples: 1, ..Default::default() }
+    RenderSettings::default().with(|s| {
+        s.techniques.shadows = shadows.to_owned();
+        s.techniques.shadow_resolution = 512;
+        s.techniques.supersample = 1;
+    })
 }
 
 /// No environment, no scene yet.
@@ -192,7 +196,7 @@ fn lamps_over_three_boxes_match_ray_tracing() {
             ReferenceOptions { width: size[0], height: size[1], samples_per_pixel: 64, ..Default::default() };
         let truth = gnomon_reference::render(&scene, camera, &no_light(), &options).unwrap().mean;
         let error = |shadows: &str| {
-            let settings = RenderSettings { samples: 2, ..settings(shadows) };
+            let settings = settings(shadows).with(|s| s.techniques.supersample = 2);
             let seen = render(&gpu, settings, &scene, &no_light(), &dark_set(), camera, size).radiance;
             if let Ok(folder) = std::env::var("GNOMON_PICTURES") {
                 for (what, image) in [(shadows, &seen), ("truth", &truth)] {
@@ -222,8 +226,10 @@ fn lamps_add_to_the_environment_under_every_rule() {
     let mut set = one_disk(Vec3::new(0.5, 0.8, 0.2).normalize(), 0.3);
     set.residual = constant_map(Vec3::splat(0.3));
     for rule in composite::COMPOSITINGS {
-        let settings =
-            RenderSettings { compositing: rule.name.to_owned(), background: false, ..settings("hard") };
+        let settings = settings("hard").with(|s| {
+            s.techniques.compositing = rule.name.to_owned();
+            s.display.background = false;
+        });
         let seen =
             |scene, map, set| render(&gpu, settings.clone(), scene, map, set, camera, [48, 36]).radiance;
         let both = seen(&lit, &map, &set);
@@ -338,7 +344,7 @@ fn a_scene_that_cannot_be_taken_leaves_the_one_before() {
     assert!(renderer.move_scene(&far).is_err());
     assert_eq!(renderer.render(&downward(3.0, 1.0), 16, 16).unwrap().display, before);
 
-    let no_map = RenderSettings { shadow_memory_bytes: 4, ..settings("hard") };
+    let no_map = settings("hard").with(|s| s.techniques.shadow_memory = 4);
     let mut renderer = Renderer::new(&gpu, no_map).unwrap();
     renderer.set_lighting(&no_light(), &dark_set()).unwrap();
     renderer.set_scene(&floor()).unwrap();

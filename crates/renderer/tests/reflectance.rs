@@ -60,14 +60,13 @@ fn camera() -> Camera {
 
 /// Unshadowed lights, which on a convex body are all there is.
 fn settings() -> RenderSettings {
-    RenderSettings {
-        shadows: "none".to_owned(),
-        ambient: "unshadowed".to_owned(),
-        compositing: "additive".to_owned(),
-        background: false,
-        samples: 4,
-        ..RenderSettings::default()
-    }
+    RenderSettings::default().with(|s| {
+        s.techniques.shadows = "none".to_owned();
+        s.lighting.ambient = "unshadowed".to_owned();
+        s.techniques.compositing = "additive".to_owned();
+        s.display.background = false;
+        s.techniques.supersample = 4;
+    })
 }
 
 fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
@@ -112,7 +111,7 @@ fn models_under_area_lights_are_the_ray_tracers() {
 
 /// With the environment itself, whose unshadowed light depends on the materials too.
 fn edited_renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
-    let settings = RenderSettings { compositing: "ratio".to_owned(), ..settings() };
+    let settings = settings().with(|s| s.techniques.compositing = "ratio".to_owned());
     let mut renderer = Renderer::new(gpu, settings).unwrap();
     renderer.set_lighting(&constant_map(Vec3::new(0.3, 0.2, 0.1)), &lights()).unwrap();
     renderer.set_scene(scene).unwrap();

@@ -49,10 +49,10 @@ fn penumbrae_of_a_disk_widen_with_the_distance_of_the_blocker() {
     let radius = f32::to_radians(10.0);
     let set = one_disk(Vec3::Y, radius);
     let mut moments = settings("moments");
-    moments.shadow_settings.moments.footprint_scale = 1.2;
-    moments.shadow_settings.moments.intensity_scale = 1.0;
+    moments.techniques.shadow_settings.moments.footprint_scale = 1.2;
+    moments.techniques.shadow_settings.moments.intensity_scale = 1.0;
     for settings in [settings("pcss"), moments] {
-        let name = &settings.shadows;
+        let name = &settings.techniques.shadows;
         for height in [0.3, 0.6, 1.2] {
             let expected = 2.0 * height * radius.tan();
             let width = mean_width(&gpu, &settings, &set, height, penumbra::disk_penumbra_width);
@@ -84,8 +84,8 @@ fn a_kernel_of_fixed_width_fails_the_penumbra_check() {
     let radius = f32::to_radians(10.0);
     let set = one_disk(Vec3::Y, radius);
     let mut fixed = settings("pcf");
-    fixed.shadow_settings.pcf.radius_texels = 0.6 * radius.tan() / TEXEL;
-    fixed.shadow_settings.pcf.samples = 64;
+    fixed.techniques.shadow_settings.pcf.radius_texels = 0.6 * radius.tan() / TEXEL;
+    fixed.techniques.shadow_settings.pcf.samples = 64;
     let relative = |height: f32| {
         let width = mean_width(&gpu, &fixed, &set, height, penumbra::disk_penumbra_width);
         width / (2.0 * height * radius.tan()) - 1.0
@@ -105,7 +105,7 @@ fn noise_instead_of_banding_keeps_the_mean() {
     let scene = edge_over_ground(edge, height);
     let set = one_disk(Vec3::Y, f32::to_radians(10.0));
     let mut rotated = settings("pcss");
-    rotated.shadow_settings.pcss.rotate_per_pixel = true;
+    rotated.techniques.shadow_settings.pcss.rotate_per_pixel = true;
     let (plain, noisy) =
         (profile(&gpu, settings("pcss"), &scene, &set, height), profile(&gpu, rotated, &scene, &set, height));
     let mean = |profile: &[f32]| profile.iter().sum::<f32>() / profile.len() as f32;
@@ -120,7 +120,7 @@ fn no_lights_and_wrong_settings_are_defined() {
     let none = LightSet::new("test", Vec::new(), constant_map(Vec3::ONE));
     let scene = edge_over_ground(0.0, 1.0);
     let frame = |name| {
-        let settings = RenderSettings { ambient: "unshadowed".to_owned(), ..settings(name) };
+        let settings = settings(name).with(|s| s.lighting.ambient = "unshadowed".to_owned());
         let frame = render(&gpu, settings, &scene, &constant_map(Vec3::ONE), &none, &camera, [8, 8]);
         frame.radiance
     };
@@ -131,7 +131,7 @@ fn no_lights_and_wrong_settings_are_defined() {
 
     let wrong = |name: &str, change: fn(&mut ShadowSettings)| {
         let mut settings = settings(name);
-        change(&mut settings.shadow_settings);
+        change(&mut settings.techniques.shadow_settings);
         let mut renderer = Renderer::new(&gpu, settings).unwrap();
         renderer.set_lighting(&no_light(), &one_disk(Vec3::Y, 0.1)).err().map(|error| error.to_string())
     };

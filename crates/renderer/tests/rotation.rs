@@ -57,16 +57,15 @@ fn lights(map: &Equirect) -> LightSet {
 }
 
 fn renderer(gpu: &Gpu, scene: &Scene, [ambient, unshadowed, shadows, compositing]: [&str; 4]) -> Renderer {
-    let settings = RenderSettings {
-        samples: 2,
-        shadow_sampling: 1,
-        shadow_resolution: 128,
-        ambient: ambient.to_owned(),
-        unshadowed: unshadowed.to_owned(),
-        shadows: shadows.to_owned(),
-        compositing: compositing.to_owned(),
-        ..RenderSettings::default()
-    };
+    let settings = RenderSettings::default().with(|s| {
+        s.techniques.supersample = 2;
+        s.techniques.shadow_sampling = 1;
+        s.techniques.shadow_resolution = 128;
+        s.lighting.ambient = ambient.to_owned();
+        s.techniques.unshadowed = unshadowed.to_owned();
+        s.techniques.shadows = shadows.to_owned();
+        s.techniques.compositing = compositing.to_owned();
+    });
     let mut renderer = Renderer::new(gpu, settings).unwrap();
     renderer.set_scene(scene).unwrap();
     renderer

@@ -15,7 +15,10 @@ use gnomon_renderer::{RenderError, RenderSettings, Renderer};
 use gnomon_scene::{Camera, LoadOptions, Material, Projection, Scene};
 
 fn settings(shadow_sampling: u32) -> RenderSettings {
-    RenderSettings { samples: 1, shadow_sampling, ..Default::default() }
+    RenderSettings::default().with(|s| {
+        s.techniques.supersample = 1;
+        s.techniques.shadow_sampling = shadow_sampling;
+    })
 }
 
 #[test]
@@ -36,7 +39,7 @@ fn a_sixteenth_of_the_samples_adds_little_error() {
     let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
     let size = [truth.width(), truth.height()];
     let error = |shadow_sampling| {
-        let settings = RenderSettings { shadow_sampling, ..Default::default() };
+        let settings = RenderSettings::default().with(|s| s.techniques.shadow_sampling = shadow_sampling);
         let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], size);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
@@ -54,11 +57,10 @@ fn unshadowed_pictures_do_not_depend_on_sampling() {
     let camera = Camera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8);
     let scene = scene_of(vec![sphere()], white());
     let picture = |compositing: &str, sampling| {
-        let settings = RenderSettings {
-            shadows: "none".to_owned(),
-            compositing: compositing.to_owned(),
-            ..settings(sampling)
-        };
+        let settings = settings(sampling).with(|s| {
+            s.techniques.shadows = "none".to_owned();
+            s.techniques.compositing = compositing.to_owned();
+        });
         let set = one_disk(Vec3::new(0.3, 0.9, 0.2).normalize(), 0.1);
         render(&gpu, settings, &scene, &map, &set, &camera, [67, 41]).radiance
     };
@@ -88,12 +90,11 @@ fn plate_over_ground() -> Scene {
 /// Pictures of `scene` at a sampling, by hard shadows under one light.
 fn under_one_light(scene: &Scene, camera: &Camera, sampling: u32) -> Option<RgbImage> {
     let gpu = gpu_or_skip()?;
-    let settings = RenderSettings {
-        shadows: "hard".to_owned(),
-        compositing: "additive".to_owned(),
-        shadow_resolution: 1024,
-        ..settings(sampling)
-    };
+    let settings = settings(sampling).with(|s| {
+        s.techniques.shadows = "hard".to_owned();
+        s.techniques.compositing = "additive".to_owned();
+        s.techniques.shadow_resolution = 1024;
+    });
     let set = one_disk(Vec3::new(1.0, 1.0, 0.0).normalize(), 0.01);
     Some(render(&gpu, settings, scene, &no_light(), &set, camera, [128, 128]).radiance)
 }

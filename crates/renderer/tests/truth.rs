@@ -53,7 +53,7 @@ fn against_mitsuba(scene: &str, environment: &str, truth: &str) {
     let set = fit(&map);
     assert!(set.lights.len() <= tolerances::GPU_LIGHTS);
     let error = |shadows: &str| {
-        let settings = RenderSettings { shadows: shadows.to_owned(), ..Default::default() };
+        let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
         let frame = render(&gpu, settings, &scene, &map, &set, &camera, [truth.width(), truth.height()]);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
@@ -112,7 +112,7 @@ fn built_in_scenes_against_the_reference() {
         let options = ReferenceOptions { width: 96, height: 72, samples_per_pixel: 64, ..Default::default() };
         let truth = gnomon_reference::render(&scene, &camera, &map, &options).unwrap().mean;
         let error = |shadows: &str| {
-            let settings = RenderSettings { shadows: shadows.to_owned(), ..Default::default() };
+            let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
             let frame = render(&gpu, settings, &scene, &map, &set, &camera, [96, 72]);
             // The sun's disk in the background would drown the picture it lights.
             let lit = |picture: &RgbImage| {
@@ -150,12 +150,11 @@ fn goldens() {
         let set =
             gnomon_lights::fit::by_name(method, &FitOptions { light_count: Some(16), ..Default::default() });
         let set = set.unwrap().fit(&map).unwrap();
-        let settings = RenderSettings {
-            shadows: "convolution".to_owned(),
-            compositing: compositing.to_owned(),
-            shadow_sampling: 1,
-            ..Default::default()
-        };
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.shadows = "convolution".to_owned();
+            s.techniques.compositing = compositing.to_owned();
+            s.techniques.shadow_sampling = 1;
+        });
         let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], [96, 72]);
         let name = format!("{scene_name}_{environment}_{method}_{compositing}.exr");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(&name);

@@ -42,14 +42,13 @@ fn error(gpu: &Gpu, surface: Surface, unshadowed: &str, projection: Projection) 
     let scene = scene_of(vec![sphere()], Material { surface, ..Default::default() });
     let distance = 4.0;
     let camera = Camera { projection, ..Camera::look_at(Vec3::new(0.0, 0.0, distance), Vec3::ZERO, 1.0) };
-    let settings = RenderSettings {
-        shadows: "none".to_owned(),
-        unshadowed: unshadowed.to_owned(),
-        samples: 1,
-        shadow_sampling: 1,
-        background: false,
-        ..Default::default()
-    };
+    let settings = RenderSettings::default().with(|s| {
+        s.techniques.shadows = "none".to_owned();
+        s.techniques.unshadowed = unshadowed.to_owned();
+        s.techniques.supersample = 1;
+        s.techniques.shadow_sampling = 1;
+        s.display.background = false;
+    });
     let set = LightSet::new("none", Vec::new(), map.clone());
     let frame = render(gpu, settings, &scene, &map, &set, &camera, [SIDE, SIDE]);
     let (mut squares, mut mean, mut count) = (0.0, 0.0, 0.0);

@@ -103,11 +103,10 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
         }
     };
     let lights = fit_lights(&look.fit, ground, &map)?;
-    let settings = RenderSettings {
-        ambient: look.render.ambient.clone(),
-        ambient_cells: look.render.ambient_cells,
-        ..RenderSettings::default()
-    };
+    let settings = RenderSettings::default().with(|s| {
+        s.lighting.ambient = look.render.ambient.clone();
+        s.lighting.ambient_cells = look.render.ambient_cells;
+    });
     let prepared = PreparedLighting::new(&map, &lights, &settings)?;
     Ok(LightingResult { map, lights, prepared, warnings, look, ground })
 }

@@ -170,22 +170,22 @@ pub struct RenderLook {
 impl Default for RenderLook {
     fn default() -> Self {
         let settings = RenderSettings::default();
-        let convolution = settings.shadow_settings.convolution;
+        let convolution = settings.techniques.shadow_settings.convolution;
         Self {
-            shadows: settings.shadows,
-            compositing: settings.compositing,
-            unshadowed: settings.unshadowed,
-            ambient: settings.ambient,
-            ambient_cells: settings.ambient_cells,
-            shadow_resolution: settings.shadow_resolution,
+            shadows: settings.techniques.shadows,
+            compositing: settings.techniques.compositing,
+            unshadowed: settings.techniques.unshadowed,
+            ambient: settings.lighting.ambient,
+            ambient_cells: settings.lighting.ambient_cells,
+            shadow_resolution: settings.techniques.shadow_resolution,
             shadow_sizing: SizingName::default(),
-            shadow_memory: (settings.shadow_memory_bytes >> 20) as u32,
-            caster_deviation: settings.caster_deviation_texels,
-            shadow_sampling: settings.shadow_sampling,
+            shadow_memory: settings.techniques.shadow_memory,
+            caster_deviation: settings.techniques.caster_deviation,
+            shadow_sampling: settings.techniques.shadow_sampling,
             order: convolution.order,
             prefilter: PrefilterName::default(),
             contact_samples: convolution.contact_samples,
-            supersample: settings.samples,
+            supersample: settings.techniques.supersample,
         }
     }
 }
@@ -328,9 +328,10 @@ impl Look {
         let render = &self.render;
         let paper = render.contact_samples == 0;
         let convolution = if paper { ConvolutionSettings::paper() } else { ConvolutionSettings::default() };
-        Ok(RenderSettings {
-            shadows: render.shadows.clone(),
-            shadow_settings: ShadowSettings {
+        let tone_mapping = self.display.tone_mapping()?;
+        Ok(RenderSettings::default().with(|s| {
+            s.techniques.shadows = render.shadows.clone();
+            s.techniques.shadow_settings = ShadowSettings {
                 convolution: ConvolutionSettings {
                     contact_samples: render.contact_samples,
                     order: render.order,
@@ -341,25 +342,24 @@ impl Look {
                     ..convolution
                 },
                 ..ShadowSettings::default()
-            },
-            shadow_sizing: match render.shadow_sizing {
+            };
+            s.techniques.shadow_sizing = match render.shadow_sizing {
                 SizingName::Footprint => ShadowSizing::Footprint,
                 SizingName::Uniform => ShadowSizing::Uniform,
-            },
-            shadow_memory_bytes: u64::from(render.shadow_memory) << 20,
-            ambient: render.ambient.clone(),
-            ambient_cells: render.ambient_cells,
-            compositing: render.compositing.clone(),
-            unshadowed: render.unshadowed.clone(),
-            shadow_resolution: render.shadow_resolution,
-            samples: render.supersample,
-            caster_deviation_texels: render.caster_deviation,
-            shadow_sampling: render.shadow_sampling,
-            exposure_ev: self.display.exposure.unwrap_or(automatic_exposure),
-            tone_mapping: self.display.tone_mapping()?,
-            background: self.display.background,
-            ..RenderSettings::default()
-        })
+            };
+            s.techniques.shadow_memory = render.shadow_memory;
+            s.lighting.ambient = render.ambient.clone();
+            s.lighting.ambient_cells = render.ambient_cells;
+            s.techniques.compositing = render.compositing.clone();
+            s.techniques.unshadowed = render.unshadowed.clone();
+            s.techniques.shadow_resolution = render.shadow_resolution;
+            s.techniques.supersample = render.supersample;
+            s.techniques.caster_deviation = render.caster_deviation;
+            s.techniques.shadow_sampling = render.shadow_sampling;
+            s.display.exposure = Some(self.display.exposure.unwrap_or(automatic_exposure));
+            s.display.tone_mapping = tone_mapping;
+            s.display.background = self.display.background;
+        }))
     }
 }
 

@@ -210,8 +210,7 @@ impl Studio {
         if drawn(&look.render) != drawn(&was.render) {
             self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
         } else if look.display != was.display {
-            let RenderSettings { exposure_ev, tone_mapping, background, .. } = settings;
-            self.renderer.set_display(exposure_ev, tone_mapping, background)?;
+            self.renderer.set_display(settings.display)?;
         }
         Ok(())
     }
@@ -220,12 +219,11 @@ impl Studio {
     fn settings(&self) -> Result<RenderSettings, StudioError> {
         let settings = self.look().settings(self.stage.exposure())?;
         let LightingKey { ambient, ambient_cells, .. } = &self.lit_for;
-        Ok(RenderSettings {
-            ambient: ambient.clone(),
-            ambient_cells: *ambient_cells,
-            profile: self.profile,
-            ..settings
-        })
+        Ok(settings.with(|s| {
+            s.lighting.ambient = ambient.clone();
+            s.lighting.ambient_cells = *ambient_cells;
+            s.measure.profile = self.profile;
+        }))
     }
 
     /// Whether passes are timed from the next frame on, which makes frames slower.

@@ -83,11 +83,10 @@ fn subject(
     let setup = Setup { stage, map: &environment.map, lights: &lights, size };
     let mut drawn = Vec::new();
     for (_, ambient, cells) in WAYS {
-        let frame = RenderSettings {
-            ambient: ambient.to_owned(),
-            ambient_cells: cells,
-            ..maps_by_footprint(resolution)
-        };
+        let frame = maps_by_footprint(resolution).with(|s| {
+            s.lighting.ambient = ambient.to_owned();
+            s.lighting.ambient_cells = cells;
+        });
         drawn.push(Variant::mip(4).drawn(lab, setup, &frame, &truth.picture)?);
     }
     time_in_turns(drawn.iter_mut().flatten(), &lab.timing_plan(5.0))?;

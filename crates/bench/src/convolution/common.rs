@@ -14,13 +14,13 @@ pub(super) const FITS: [&str; 5] = ["disks", "squares", "rectangles", "partition
 
 /// A frame in which all shadow maps have `resolution` texels a side: what times at a stated resolution are measured with.
 pub(super) fn uniform_maps(resolution: u32) -> RenderSettings {
-    RenderSettings { shadow_sizing: ShadowSizing::Uniform, ..maps_by_footprint(resolution) }
+    maps_by_footprint(resolution).with(|s| s.techniques.shadow_sizing = ShadowSizing::Uniform)
 }
 
 /// A frame in which wider lights have coarser shadow maps, `resolution` texels a side at most: the renderer's own choice, which
 /// errors are measured with.
 pub(super) fn maps_by_footprint(resolution: u32) -> RenderSettings {
-    RenderSettings { shadow_resolution: resolution, ..RenderSettings::default() }
+    RenderSettings::default().with(|s| s.techniques.shadow_resolution = resolution)
 }
 
 /// A scene in the dark with one square lamp over it, ten degrees wide from the models' centre, high on the left of a default

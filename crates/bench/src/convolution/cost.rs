@@ -104,7 +104,7 @@ impl Experiment for Cost {
             let method = if count < LEAST_PARTITION { "disks" } else { "partition" };
             let lights = lab.lights(method, Some(count), &stage, &environment)?;
             // What a disk leaves over is ambient: with cells there would be more maps than lights asked for.
-            let frame = RenderSettings { ambient: "unshadowed".to_owned(), ..uniform_maps(resolution) };
+            let frame = uniform_maps(resolution).with(|s| s.lighting.ambient = "unshadowed".to_owned());
             let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };
             let mut variants = Variant::prefilters(4);
             variants.push(Variant::technique("hard"));
@@ -123,7 +123,7 @@ impl Experiment for Cost {
                 times.push(row);
             }
             drop(drawn);
-            let profiled = RenderSettings { profile: true, ..frame };
+            let profiled = frame.with(|s| s.measure.profile = true);
             for variant in &variants {
                 let renderer = TimedRenderer::if_it_fits(lab, variant.settings(&profiled), setup)?;
                 if let Some(mut renderer) = renderer {

@@ -30,7 +30,8 @@ impl Experiment for Failures {
         let size = lab.pick([32, 24], [192, 144], [192, 144]);
         // The map is black: a ratio of it would be, too.
         let compositing = "additive".to_owned();
-        let frame = RenderSettings { compositing, ..maps_by_footprint(lab.pick(32, 256, 512)) };
+        let frame =
+            maps_by_footprint(lab.pick(32, 256, 512)).with(|s| s.techniques.compositing = compositing);
         // Half the side of the lamp over its distance: 28 degrees across.
         let lamp = |name, plates: &[Plate]| Lamp::new(under_a_lamp(name, plates, 0.25));
         // Seen from the lamp's centre, the small plate near the ground lies behind the large one.

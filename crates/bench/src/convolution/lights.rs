@@ -217,7 +217,7 @@ fn many_hard_maps(
     sheet.enlargement = lab.pick(1, 2, 1);
     let mut drawn = Vec::new();
     for (variant, set, shadow_sampling) in &rivals_of {
-        let frame = RenderSettings { shadow_sampling: *shadow_sampling, ..uniform_maps(resolution) };
+        let frame = uniform_maps(resolution).with(|s| s.techniques.shadow_sampling = *shadow_sampling);
         let new = variant.drawn(lab, scenery.setup(set), &frame, truth)?;
         drawn.extend(new.map(|drawn| (drawn, set, *shadow_sampling)));
     }

@@ -171,11 +171,10 @@ impl Scenery<'_, '_> {
             let setup =
                 Setup { stage: self.stage, map: &self.environment.map, lights: &lights, size: self.size };
             let resolution = self.lab.pick(32, way.size.resolution, way.size.resolution);
-            let frame = RenderSettings {
-                samples: self.samples,
-                ambient_cells: way.size.lights.saturating_sub(found).max(CELLS),
-                ..maps_by_footprint(resolution)
-            };
+            let frame = maps_by_footprint(resolution).with(|s| {
+                s.techniques.supersample = self.samples;
+                s.lighting.ambient_cells = way.size.lights.saturating_sub(found).max(CELLS);
+            });
             if subject.unshadowed.is_nan()
                 && let Some(none) = Variant::technique("none").drawn(self.lab, setup, &frame, truth)?
             {

@@ -56,11 +56,10 @@ impl Variant {
 
     /// The settings of a frame that uses it, all else as in `frame`.
     pub fn settings(&self, frame: &RenderSettings) -> RenderSettings {
-        RenderSettings {
-            shadows: self.technique.to_owned(),
-            shadow_settings: self.settings.clone(),
-            ..frame.clone()
-        }
+        frame.clone().with(|s| {
+            s.techniques.shadows = self.technique.to_owned();
+            s.techniques.shadow_settings = self.settings.clone();
+        })
     }
 
     /// One picture with it, all else as in `frame`; `None` where the adapter cannot hold it.

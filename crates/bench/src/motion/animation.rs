@@ -111,13 +111,12 @@ impl Experiment for Animation {
         let environment = lab.environment("galileo")?;
         let size = lab.pick([32, 24], [320, 240], [1280, 960]);
         let resolution = lab.pick(16, RESOLUTION, RESOLUTION);
-        let settings = RenderSettings {
-            shadow_sizing: ShadowSizing::Uniform,
-            shadow_resolution: resolution,
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.shadow_sizing = ShadowSizing::Uniform;
+            s.techniques.shadow_resolution = resolution;
             // No maps but those of the lights that are counted.
-            ambient: "unshadowed".to_owned(),
-            ..RenderSettings::default()
-        };
+            s.lighting.ambient = "unshadowed".to_owned();
+        });
         let columns = [
             ("scene", ""),
             ("triangles", ""),
@@ -190,7 +189,7 @@ impl Experiment for Animation {
                 motion.map(|motion| 1e3 / motion).into(),
                 error.into(),
             ]);
-            let profiled = RenderSettings { profile: true, ..settings.clone() };
+            let profiled = settings.clone().with(|s| s.measure.profile = true);
             for (pass, median) in
                 TimedRenderer::new(lab, profiled, setup)?.pass_times(&lab.timing_plan(8.0))?
             {

@@ -53,7 +53,10 @@ impl Experiment for TurningEnvironment {
 }
 
 fn settings(lab: &Lab<'_>) -> RenderSettings {
-    RenderSettings { samples: 1, shadow_resolution: lab.pick(64, 256, 256), ..RenderSettings::default() }
+    RenderSettings::default().with(|s| {
+        s.techniques.supersample = 1;
+        s.techniques.shadow_resolution = lab.pick(64, 256, 256);
+    })
 }
 
 fn milliseconds(since: Instant) -> f64 {

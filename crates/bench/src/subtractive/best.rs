@@ -94,14 +94,13 @@ impl Choice {
     }
 
     fn settings(&self, frame: &RenderSettings, found: usize) -> RenderSettings {
-        let ambient = self.ambient.map_or_else(|| frame.ambient.clone(), str::to_owned);
-        RenderSettings {
-            shadows: self.shadows.to_owned(),
-            ambient,
-            ambient_cells: LIGHTS.saturating_sub(found).max(CELLS),
-            compositing: self.compositing.to_owned(),
-            ..frame.clone()
-        }
+        let ambient = self.ambient.map_or_else(|| frame.lighting.ambient.clone(), str::to_owned);
+        frame.clone().with(|s| {
+            s.techniques.shadows = self.shadows.to_owned();
+            s.lighting.ambient = ambient;
+            s.lighting.ambient_cells = LIGHTS.saturating_sub(found).max(CELLS);
+            s.techniques.compositing = self.compositing.to_owned();
+        })
     }
 }
 
@@ -138,12 +137,11 @@ impl Experiment for Best {
         let stages = lab.stages(lab.pick(&["three_boxes"], &["bunny"], &["three_boxes", "bunny"]))?;
         let choices = lab.pick(Choice::few as fn() -> _, Choice::few, Choice::all)();
         let size = lab.pick([32, 24], [128, 96], [128, 96]);
-        let frame = RenderSettings {
-            shadow_resolution: lab.pick(32, 256, 256),
-            samples: lab.pick(2, 2, 4),
-            shadow_memory_bytes: 256 << 20,
-            ..RenderSettings::default()
-        };
+        let frame = RenderSettings::default().with(|s| {
+            s.techniques.shadow_resolution = lab.pick(32, 256, 256);
+            s.techniques.supersample = lab.pick(2, 2, 4);
+            s.techniques.shadow_memory = 256;
+        });
         let unmeasured =
             |choice| Outcome { choice, is_in: true, errors: Vec::new(), milliseconds: Vec::new() };
         let mut results: Vec<Outcome> = choices.into_iter().map(unmeasured).collect();
@@ -175,9 +173,9 @@ impl Experiment for Best {
              Times: median frames of 2 x 2 samples, mean over the scenes under their first environment.",
             size[0],
             size[1],
-            frame.samples,
-            frame.samples,
-            frame.shadow_resolution,
+            frame.techniques.supersample,
+            frame.techniques.supersample,
+            frame.techniques.shadow_resolution,
             LIGHTS - CELLS
         )];
         if pairs.len() > SCREENING {
@@ -248,7 +246,7 @@ fn time(
     frame: &RenderSettings,
     results: &mut [Outcome],
 ) -> Result<(), BenchError> {
-    let frame = RenderSettings { samples: 2, ..frame.clone() };
+    let frame = frame.clone().with(|s| s.techniques.supersample = 2);
     // A few at a time, so that their shadow maps fit in memory side by side.
     let mut worthwhile: Vec<&mut Outcome> = results.iter_mut().filter(|result| result.is_in).collect();
     for results in worthwhile.chunks_mut(8) {
@@ -423,8 +421,11 @@ mod tests {
         assert!(Choice::few().iter().all(|choice| all.contains(choice)));
         let disks = all.iter().find(|choice| choice.fit == "disks").unwrap();
         let frame = RenderSettings::default();
-        assert_eq!(disks.asked_for() + disks.settings(&frame, disks.asked_for()).ambient_cells, LIGHTS);
-        assert_eq!(disks.settings(&frame, 10).ambient_cells, LIGHTS - 10);
+        assert_eq!(
+            disks.asked_for() + disks.settings(&frame, disks.asked_for()).lighting.ambient_cells,
+            LIGHTS
+        );
+        assert_eq!(disks.settings(&frame, 10).lighting.ambient_cells, LIGHTS - 10);
     }
 
     #[test]

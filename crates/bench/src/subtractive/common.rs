@@ -168,23 +168,21 @@ fn samples(lab: &Lab<'_>) -> u32 {
 
 /// A frame as the paper draws it: every sample has its own shadows. Large sets of lights take turns.
 pub(super) fn frame(lab: &Lab<'_>) -> RenderSettings {
-    RenderSettings {
-        samples: samples(lab),
-        shadow_resolution: lab.pick(32, 256, 512),
-        shadow_sampling: 1,
-        shadow_memory_bytes: 256 << 20,
-        ..RenderSettings::default()
-    }
+    RenderSettings::default().with(|s| {
+        s.techniques.supersample = samples(lab);
+        s.techniques.shadow_resolution = lab.pick(32, 256, 512);
+        s.techniques.shadow_sampling = 1;
+        s.techniques.shadow_memory = 256;
+    })
 }
 
 /// The same with a family, a rule and fewer samples of shadows.
 pub(super) fn settings(frame: &RenderSettings, family: Family, rule: &str, sampling: u32) -> RenderSettings {
-    RenderSettings {
-        shadows: family.technique.to_owned(),
-        compositing: rule.to_owned(),
-        shadow_sampling: sampling,
-        ..frame.clone()
-    }
+    frame.clone().with(|s| {
+        s.techniques.shadows = family.technique.to_owned();
+        s.techniques.compositing = rule.to_owned();
+        s.techniques.shadow_sampling = sampling;
+    })
 }
 
 /// The pixels that show models: those that are not black where there is neither background nor ground.
@@ -200,8 +198,10 @@ fn models(
     }
     let lights = lab.lights("samples", Some(1), &stage, environment)?;
     let setup = Setup { stage: &stage, map: &environment.map, lights: &lights, size };
-    let unshadowed =
-        RenderSettings { shadows: "none".to_owned(), background: false, ..RenderSettings::default() };
+    let unshadowed = RenderSettings::default().with(|s| {
+        s.techniques.shadows = "none".to_owned();
+        s.display.background = false;
+    });
     let picture = TimedRenderer::new(lab, unshadowed, setup)?.picture()?;
     Ok(Mask::from_fn(size[0], size[1], |x, y| picture.get(x, y).max_element() > 0.0))
 }

@@ -102,7 +102,7 @@ fn measure(
     time_in_turns(drawn.iter_mut().map(|(_, drawn)| drawn), &plan)?;
     let mut rows = Vec::new();
     for (sampling, drawn) in &drawn {
-        let profiled = RenderSettings { profile: true, ..of(*sampling) };
+        let profiled = of(*sampling).with(|s| s.measure.profile = true);
         let passes = TimedRenderer::new(lab, profiled, setup)?.pass_times(&plan)?;
         let pass = passes.iter().filter(|(name, _)| PASSES.contains(name)).map(|(_, time)| time).sum();
         let displayed = subject.displayed_rms(&drawn.picture)?;

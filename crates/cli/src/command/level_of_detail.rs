@@ -61,8 +61,8 @@ pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result
     let widest = LodRange::default();
     let best = LevelOfDetail {
         lights: options.light_count.map_or(widest.best.lights, |count| count as u32),
-        shadow_resolution: settings.shadow_resolution,
-        shadow_sampling: settings.shadow_sampling,
+        shadow_resolution: settings.techniques.shadow_resolution,
+        shadow_sampling: settings.techniques.shadow_sampling,
     };
     let least = LevelOfDetail {
         lights: widest.least.lights.min(best.lights),
@@ -77,7 +77,7 @@ pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result
     let mut level = controller.level();
     let mut lights = fitted(level)?;
     let gpu = Gpu::new(gpu_options)?;
-    let mut renderer = Renderer::new(&gpu, RenderSettings { profile: true, ..settings })?;
+    let mut renderer = Renderer::new(&gpu, settings.with(|s| s.measure.profile = true))?;
     renderer.set_scene(stage.scene())?;
     renderer.set_environment_rotation(stage.world_from_environment())?;
     renderer.set_lighting(stage.environment(), &lights)?;

@@ -60,7 +60,7 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// The times of a profiled frame, see [`crate::RenderSettings::profile`].
+    /// The times of a profiled frame, see [`crate::MeasureSettings::profile`].
     pub fn from_passes(passes: &[PassTiming]) -> Self {
         let mut times = Self::default();
         for pass in passes {

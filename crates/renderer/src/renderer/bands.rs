@@ -183,13 +183,12 @@ mod tests {
         let lights = by_name("partition", &options).unwrap().fit(&map).unwrap();
         // With 1 MiB for maps, batches of lights take turns.
         for (sampling, shadows, memory) in [(1, "pcss", 64), (2, "convolution", 64), (4, "pcss", 1)] {
-            let settings = RenderSettings {
-                shadow_sampling: sampling,
-                shadows: shadows.to_owned(),
-                shadow_memory_bytes: memory << 20,
-                shadow_sizing: crate::ShadowSizing::Uniform,
-                ..RenderSettings::default()
-            };
+            let settings = RenderSettings::default().with(|s| {
+                s.techniques.shadow_sampling = sampling;
+                s.techniques.shadows = shadows.to_owned();
+                s.techniques.shadow_memory = memory;
+                s.techniques.shadow_sizing = crate::ShadowSizing::Uniform;
+            });
             let mut renderer = Renderer::new(&gpu, settings).unwrap();
             renderer.set_scene(&scene).unwrap();
             renderer.set_lighting(&map, &lights).unwrap();

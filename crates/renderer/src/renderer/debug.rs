@@ -102,7 +102,7 @@ impl Renderer {
                 lights_before,
                 least_depth: least,
                 depth_range: range,
-                exposure: exposure_scale(self.settings.exposure_ev),
+                exposure: exposure_scale(self.settings.display.exposure.unwrap_or(0.0)),
                 light_count,
                 ..debug.view.parameters()
             };

@@ -57,7 +57,7 @@ impl Renderer {
             batches.shadow_layout(),
             Some(&passes.points.light_layout),
         ];
-        let light = LightPass::new(gpu, technique.module(&self.settings.shadow_settings), groups)?;
+        let light = LightPass::new(gpu, technique.module(&self.settings.techniques.shadow_settings), groups)?;
         let frame_groups = batches.frame_groups(gpu, &passes.frame_layout, &self.view);
         let environment = self.environment_groups(&lighting);
         Ok(Lit { lighting, batches, frame_groups, light, environment })

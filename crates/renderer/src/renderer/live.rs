@@ -1,7 +1,6 @@
 //! What changes while running, each change by the least work.
 
 use glam::Quat;
-use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::LightSet;
 use gnomon_scene::Scene;
 
@@ -9,7 +8,7 @@ use super::Renderer;
 use crate::compose::ComposePass;
 use crate::lighting::{Lighting, PreparedLighting};
 use crate::settings::in_range;
-use crate::{RenderError, RenderSettings, ambient, composite, shadow, unshadowed};
+use crate::{DisplaySettings, RenderError, RenderSettings, ambient, composite, shadow, unshadowed};
 
 impl Renderer {
     /// The settings in force.
@@ -41,30 +40,25 @@ impl Renderer {
         let (ambient, ambient_cells) = (prepared.ambient.name, prepared.ambient_cells);
         self.light_up(Lighting::new(&self.gpu, prepared)?)?;
         self.ambient = ambient::by_name(ambient)?;
-        self.settings.ambient = ambient.to_owned();
-        self.settings.ambient_cells = ambient_cells;
+        self.settings.lighting.ambient = ambient.to_owned();
+        self.settings.lighting.ambient_cells = ambient_cells;
         self.gpu.check()
     }
 
-    /// How the next frames are displayed: stops of exposure, tone mapping, and whether the environment is seen behind the scene.
+    /// How the next frames are displayed.
     ///
     /// # Errors
-    /// [`RenderError::OutOfRange`] for an exposure that [`RenderSettings`] does not allow.
-    pub fn set_display(
-        &mut self,
-        exposure_ev: f32,
-        tone_mapping: ToneMapping,
-        background: bool,
-    ) -> Result<(), RenderError> {
-        let settings = RenderSettings { exposure_ev, tone_mapping, background, ..self.settings.clone() };
+    /// [`RenderError::OutOfRange`] for an exposure that [`DisplaySettings`] does not allow.
+    pub fn set_display(&mut self, display: DisplaySettings) -> Result<(), RenderError> {
+        let settings = self.settings.clone().with(|s| s.display = display);
         settings.check()?;
         self.settings = settings;
         Ok(())
     }
 
-    /// Whether passes are timed, see [`RenderSettings::profile`].
+    /// Whether passes are timed, see [`crate::MeasureSettings::profile`].
     pub fn set_profile(&mut self, profile: bool) {
-        self.settings.profile = profile;
+        self.settings.measure.profile = profile;
     }
 
     /// Takes other settings over, techniques among them: shadow maps are made anew, meshes, textures and maps of the environment stay
@@ -79,12 +73,13 @@ impl Renderer {
         set: &LightSet,
     ) -> Result<(), RenderError> {
         settings.check()?;
-        let ambient = ambient::by_name(&settings.ambient)?;
-        let same_rest = self.ambient == ambient && self.settings.ambient_cells == settings.ambient_cells;
+        let ambient = ambient::by_name(&settings.lighting.ambient)?;
+        let same_rest = self.ambient == ambient
+            && self.settings.lighting.ambient_cells == settings.lighting.ambient_cells;
         let before = self.lighting.as_ref().map(|lit| lit.lighting.clone());
         let lighting = match before.clone() {
             Some(lighting) if !same_rest => {
-                Some(lighting.with_lights(&self.gpu, ambient.lights(set, settings.ambient_cells)?))
+                Some(lighting.with_lights(&self.gpu, ambient.lights(set, settings.lighting.ambient_cells)?))
             }
             same => same,
         };
@@ -99,10 +94,10 @@ impl Renderer {
 
     /// Makes everything anew that depends on settings.
     fn follow_settings(&mut self, scene: &Scene, lighting: Option<Lighting>) -> Result<(), RenderError> {
-        self.technique = shadow::by_name(&self.settings.shadows)?;
-        self.ambient = ambient::by_name(&self.settings.ambient)?;
-        self.compositing = composite::by_name(&self.settings.compositing)?;
-        self.unshadowed = unshadowed::by_name(&self.settings.unshadowed)?;
+        self.technique = shadow::by_name(&self.settings.techniques.shadows)?;
+        self.ambient = ambient::by_name(&self.settings.lighting.ambient)?;
+        self.compositing = composite::by_name(&self.settings.techniques.compositing)?;
+        self.unshadowed = unshadowed::by_name(&self.settings.techniques.unshadowed)?;
         let passes = &mut self.passes;
         let layouts = (&passes.gbuffer.read_layout, &passes.points.compose_layout);
         passes.compose = ComposePass::new(&self.gpu, layouts.0, layouts.1, self.compositing)?;

@@ -31,7 +31,7 @@ impl Renderer {
         if self.cache.rewrite(&lobes) {
             return;
         }
-        let resolution = self.settings.radiance_cache_resolution;
+        let resolution = self.settings.techniques.radiance_cache_resolution;
         self.cache = RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES);
         if let Some(mut lit) = self.lighting.take() {
             lit.environment = self.environment_groups(&lit.lighting);

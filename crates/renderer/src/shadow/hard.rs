@@ -4,7 +4,7 @@ use super::{DepthMapTechnique, ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of hard shadow maps.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct HardSettings {
     /// Distance towards the light by which a receiver is moved, as a share of the *stored* depth's range, 0 to 1: under a
     /// perspective map the same bias is more metres the farther the receiver. Surfaces tilted against the light are covered by

@@ -4,7 +4,7 @@ use super::{DepthMapTechnique, ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of hard shadow maps of linear depth.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct HardLinearSettings {
     /// Difference of linear depth up to which a receiver counts as its own blocker's surface, as a share of the depth range,
     /// 0 to 1: the same number of metres everywhere.

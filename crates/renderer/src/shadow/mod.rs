@@ -26,7 +26,7 @@ pub use pcf::PcfSettings;
 pub use pcss::PcssSettings;
 
 /// Parameters of all techniques.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadowSettings {
     /// Convolution soft shadows.
     pub convolution: ConvolutionSettings,

@@ -11,7 +11,7 @@ use crate::{Gpu, RenderError};
 pub(super) struct Moments;
 
 /// Parameters of moment soft shadow maps.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MomentSettings {
     /// Share of a wide distribution mixed into every lookup against rounding, 0 to 1. Moments of 32 bits need a hundredth of what
     /// 16 bits need, and every share leaks light.

@@ -4,7 +4,7 @@ use super::{DepthMapTechnique, ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of percentage-closer filtering.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PcfSettings {
     /// Radius of the kernel in texels of the depth map, 0 to 1024.
     pub radius_texels: f32,

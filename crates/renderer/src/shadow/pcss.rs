@@ -4,7 +4,7 @@ use super::{DepthMapTechnique, ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of percentage-closer soft shadows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PcssSettings {
     /// Texels looked at for blockers: 1 to 1024.
     pub search_samples: u32,

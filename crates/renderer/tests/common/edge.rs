@@ -21,14 +21,13 @@ pub const HALF: f32 = 2.0;
 pub const TEXEL: f32 = 2.0 * HALF / (SHADOW_RESOLUTION - 4) as f32;
 
 pub fn settings(shadows: &str) -> RenderSettings {
-    RenderSettings {
-        shadows: shadows.to_owned(),
-        compositing: "additive".to_owned(),
-        shadow_resolution: SHADOW_RESOLUTION,
-        samples: 1,
-        shadow_sampling: 1,
-        ..Default::default()
-    }
+    RenderSettings::default().with(|s| {
+        s.techniques.shadows = shadows.to_owned();
+        s.techniques.compositing = "additive".to_owned();
+        s.techniques.shadow_resolution = SHADOW_RESOLUTION;
+        s.techniques.supersample = 1;
+        s.techniques.shadow_sampling = 1;
+    })
 }
 
 /// White ground at y = 0 and, above the part of it with x < `edge`, an occluder at `height`.

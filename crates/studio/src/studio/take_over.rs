@@ -143,7 +143,7 @@ impl Studio {
         self.stage.set_environment(map, warnings);
         // The suitable exposure is that of the environment that is seen now.
         let settings = self.settings()?;
-        Ok(self.renderer.set_display(settings.exposure_ev, settings.tone_mapping, settings.background)?)
+        Ok(self.renderer.set_display(settings.display)?)
     }
 
     /// Puts the look back to the lights that are in force, unless others are still to come.

@@ -36,7 +36,7 @@ pub enum Footprint {
 }
 
 /// Parameters of convolution soft shadows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConvolutionSettings {
     /// Terms of the Fourier series, M: 1 to 16.
     pub order: u32,
