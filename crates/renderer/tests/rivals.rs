@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use gnomon_lights::LightSet;
 use gnomon_metrics::{penumbra, tolerances};
 use gnomon_renderer::shadow::ShadowSettings;
-use gnomon_renderer::{RenderSettings, Renderer, shadow};
+use gnomon_renderer::{Renderer, shadow};
 use gnomon_scene::Camera;
 
 const RIVALS: [&str; 5] = ["hard", "hard-linear", "pcf", "pcss", "moments"];

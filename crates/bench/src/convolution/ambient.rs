@@ -1,4 +1,3 @@
-use gnomon_renderer::RenderSettings;
 use gnomon_report::{Cell, ContactSheet, Section, Table};
 
 use super::common::maps_by_footprint;

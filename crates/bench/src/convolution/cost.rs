@@ -1,4 +1,3 @@
-use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, Line, Plot, PowerLaw, Section, Series, Style, Table};
 
 use super::common::uniform_maps;

@@ -2,7 +2,6 @@ use glam::{DVec2, DVec3, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
-use gnomon_renderer::RenderSettings;
 use gnomon_report::{ContactSheet, Panel, Section, Table};
 use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Scene, builtin};
 

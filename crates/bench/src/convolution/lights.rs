@@ -1,7 +1,6 @@
 use std::rc::Rc;
 
 use gnomon_lights::LightSet;
-use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
 
 use super::common::{FITS, maps_by_footprint, uniform_maps};

@@ -1,4 +1,3 @@
-use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table};
 
 use super::common::{FITS, maps_by_footprint};

@@ -1,4 +1,3 @@
-use gnomon_renderer::RenderSettings;
 use gnomon_report::{Axis, Cell, ContactSheet, Panel, Plot, Section, Series, Table, significant};
 
 use super::common::{AREAS, Family, POINTS, Subject, cases, frame, reading, settings};

@@ -1,7 +1,7 @@
 use clap::Args;
 use gnomon::lights::{FitOptions, LightSet, fit};
 use gnomon::renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange, LodState};
-use gnomon::renderer::{Gpu, GpuOptions, RenderSettings, Renderer};
+use gnomon::renderer::{Gpu, GpuOptions, Renderer};
 use gnomon::studio::{Look, Stage};
 use serde_json::{Value, json};
 

@@ -8,7 +8,7 @@ use gnomon_scene::Camera;
 
 use super::{Frame, Renderer};
 use crate::recorder::PassTiming;
-use crate::settings::RenderSettings;
+use crate::settings::TechniqueSettings;
 use crate::{RenderError, shading_points};
 
 /// Rows of a picture that are drawn at once.
@@ -41,7 +41,8 @@ fn cut(height: u32, kept: u32, overlap: u32) -> Vec<Band> {
 impl Renderer {
     /// How a picture has to be cut: one band where the adapter allows buffers for all of its samples. Debug views are never cut.
     fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
-        let RenderSettings { samples, shadow_sampling: sampling, .. } = self.settings;
+        let TechniqueSettings { supersample: samples, shadow_sampling: sampling, .. } =
+            self.settings.techniques;
         let fits = |rows: u32| {
             let sums = shading_points::sum_bytes([width * samples, rows * samples], sampling);
             sums <= self.gpu.device.limits().max_storage_buffer_binding_size
@@ -156,7 +157,7 @@ mod tests {
     use gnomon_scene::builtin;
 
     use super::*;
-    use crate::{Gpu, GpuOptions};
+    use crate::{Gpu, GpuOptions, RenderSettings};
 
     #[test]
     fn bands_keep_every_row_once_and_overlap() {
