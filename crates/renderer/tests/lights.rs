@@ -344,7 +344,8 @@ fn a_scene_that_cannot_be_taken_leaves_the_one_before() {
     assert!(renderer.move_scene(&far).is_err());
     assert_eq!(renderer.render(&downward(3.0, 1.0), 16, 16).unwrap().display, before);
 
-    let no_map = settings("hard").with(|s| s.techniques.shadow_memory = 4);
+    let no_map =
+        settings("hard").with(|s| (s.techniques.shadow_memory, s.techniques.shadow_resolution) = (1, 1024));
     let mut renderer = Renderer::new(&gpu, no_map).unwrap();
     renderer.set_lighting(&no_light(), &dark_set()).unwrap();
     renderer.set_scene(&floor()).unwrap();
