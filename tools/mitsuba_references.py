@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Truth pictures by Mitsuba 3 for `gnomon bench convolution --only maps --truth FOLDER`.
+"""Truth pictures by Mitsuba 3 for `gnomon-lab convolution --only maps --truth FOLDER`.
 
     pip install mitsuba numpy
     tools/mitsuba_references.py --data ../shared/data --output truth

@@ -5,7 +5,7 @@ mod support;
 
 use glam::Vec3;
 use gnomon_brdf::*;
-use gnomon_metrics::tolerances;
+use gnomon_testing::tolerances;
 use support::direction;
 
 const CASES: [(Model, [f32; 3]); 4] = [

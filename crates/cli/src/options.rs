@@ -14,8 +14,8 @@ use std::str::FromStr;
 
 use clap::Args;
 use gnomon::envmap::Projection;
-use gnomon::image::tonemap::ToneMapping;
 use gnomon::lights::fit::{Sampler, sampler_by_name};
+use gnomon::picture::tonemap::ToneMapping;
 use gnomon::studio::FitLook;
 
 /// How many lights a fit makes.

@@ -3,8 +3,8 @@
 use std::io;
 use std::path::Path;
 
-use gnomon::image::tonemap::{ToneMapping, tone_mapped};
-use gnomon::image::{RgbImage, atomic};
+use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
+use gnomon::picture::{RgbImage, atomic};
 use serde::Serialize;
 
 use crate::error::CliError;
@@ -61,16 +61,16 @@ fn check_folder(path: &Path) -> Result<(), CliError> {
 /// Writes radiance: EXR as it is, PNG exposed by `exposure` stops and tone-mapped.
 ///
 /// # Errors
-/// As [`gnomon::image::write`].
+/// As [`gnomon::picture::write`].
 pub fn write_radiance(
     path: &Path,
     radiance: &RgbImage,
     (exposure, tone_mapping): (f32, ToneMapping),
 ) -> Result<(), CliError> {
     if is_linear(path) {
-        gnomon::image::write(path, radiance)?;
+        gnomon::picture::write(path, radiance)?;
     } else {
-        gnomon::image::write(path, &tone_mapped(radiance, tone_mapping, exposure))?;
+        gnomon::picture::write(path, &tone_mapped(radiance, tone_mapping, exposure))?;
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use gnomon::metrics::tolerances::{BAD_INPUT_BYTES, BAD_INPUT_SECONDS};
+use gnomon_testing::tolerances::{BAD_INPUT_BYTES, BAD_INPUT_SECONDS};
 use support::files;
 
 /// What one file may end in.
@@ -159,8 +159,8 @@ fn invalid_gltf_files_end_in_a_picture_or_one_error() {
     let Some(data) = gnomon_testing::data_file("bad_inputs/gltf") else { return };
     let folder = tempfile::tempdir().unwrap();
     let environment = folder.path().join("grey.exr");
-    let grey = gnomon::image::RgbImage::filled(16, 8, glam::Vec3::ONE);
-    gnomon::image::write(&environment, &grey).unwrap();
+    let grey = gnomon::picture::RgbImage::filled(16, 8, glam::Vec3::ONE);
+    gnomon::picture::write(&environment, &grey).unwrap();
     let scenes = walk(&data)
         .into_iter()
         .filter(|path| path.extension().is_some_and(|extension| extension == "gltf" || extension == "glb"));

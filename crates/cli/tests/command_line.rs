@@ -9,7 +9,7 @@ use std::process::Stdio;
 
 use support::{command, files, gnomon};
 
-const COMMANDS: [&str; 7] = ["render", "reference", "decompose", "compare", "info", "bench", "demo"];
+const COMMANDS: [&str; 6] = ["render", "reference", "decompose", "compare", "info", "demo"];
 
 #[test]
 fn help_names_every_command_and_every_command_has_help() {
@@ -77,7 +77,6 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["compare", "a.png"], "required"),
         (&["compare", "a.png", "b.png"], "a.png"),
         (&["compare", "a.png", "b.png", "--region", "x=1"], "NAME=X,Y"),
-        (&["bench", "fits", "--repeats", "0"], "repeats"),
     ];
     for (arguments, part) in cases {
         let run = gnomon(folder.path(), arguments).failed(part);

@@ -5,7 +5,7 @@
 mod support;
 
 use glam::Vec3;
-use gnomon::image::{RgbImage, write};
+use gnomon::picture::{RgbImage, write};
 use support::{files, gnomon};
 
 /// A floor with a round shadow.
@@ -42,10 +42,10 @@ fn a_missing_shadow_is_measured_and_drawn() {
     assert!((umbra["relative_rmse"].as_f64().unwrap() - 9.0).abs() < 1e-3, "{umbra}");
     assert_eq!(missing["regions"]["light"]["relative_rmse"], 0.0);
 
-    let difference = gnomon::image::read(at("flip.png")).unwrap().image;
+    let difference = gnomon::picture::read(at("flip.png")).unwrap().image;
     assert_eq!((difference.width(), difference.height()), (64, 48));
     assert!(difference.get(30, 20).max_element() > 0.3 && difference.get(60, 40).max_element() < 0.01);
-    let signed = gnomon::image::read(at("signed.png")).unwrap().image;
+    let signed = gnomon::picture::read(at("signed.png")).unwrap().image;
     assert!(signed.get(30, 20).min_element() > 0.9, "the picture is brighter there");
 
     // The mask leaves only pixels that are equal.
@@ -59,7 +59,7 @@ fn a_missing_shadow_is_measured_and_drawn() {
 #[test]
 fn eight_bit_pictures_are_compared_as_displayed() {
     let folder = tempfile::tempdir().unwrap();
-    let grey = |code: u8| Vec3::splat(gnomon::image::tonemap::srgb_decode(f32::from(code) / 255.0));
+    let grey = |code: u8| Vec3::splat(gnomon::picture::tonemap::srgb_decode(f32::from(code) / 255.0));
     write(folder.path().join("a.png"), &RgbImage::filled(8, 8, grey(120))).unwrap();
     write(folder.path().join("b.png"), &RgbImage::filled(8, 8, grey(100))).unwrap();
     let json = gnomon(folder.path(), &["compare", "a.png", "b.png"]).succeeded().json();

@@ -5,7 +5,7 @@
 mod support;
 
 use gnomon::metrics::compare;
-use gnomon::metrics::tolerances::{FLUX, GPU_RELATIVE_RMSE};
+use gnomon_testing::tolerances::{FLUX, GPU_RELATIVE_RMSE};
 use support::{can_render, files, gnomon};
 
 #[test]
@@ -26,7 +26,7 @@ fn decompose_writes_lights_residual_and_preview() {
         gnomon(folder.path(), &[&["decompose", "sky", "--env-rotation", "90"][..], &outputs[..]].concat());
     assert!(run.succeeded().out.is_empty());
     assert_eq!(files(folder.path()), ["lights.json", "preview.png", "rest.exr"]);
-    let rest = gnomon::image::read(folder.path().join("rest.exr")).unwrap().image;
+    let rest = gnomon::picture::read(folder.path().join("rest.exr")).unwrap().image;
     assert_eq!((rest.width(), rest.height()), (1024, 512));
 }
 
@@ -40,13 +40,13 @@ fn reference_is_seeded_and_its_variance_is_written() {
             &[&scene[..], &["--seed", seed, "-o", name, "--variance", "var.exr"]].concat(),
         );
         assert!(run.succeeded().err.is_empty(), "no progress bar without a terminal");
-        gnomon::image::read(folder.path().join(name)).unwrap().image
+        gnomon::picture::read(folder.path().join(name)).unwrap().image
     };
     let (first, again, other) = (trace("1", "a.exr"), trace("1", "b.exr"), trace("2", "c.exr"));
     assert_eq!(first, again);
     assert_ne!(first, other);
     assert!(compare(&other, &first, None).unwrap().relative_rmse < 0.1);
-    let variance = gnomon::image::read(folder.path().join("var.exr")).unwrap().image;
+    let variance = gnomon::picture::read(folder.path().join("var.exr")).unwrap().image;
     assert!(variance.texels().iter().all(|v| v.min_element() >= 0.0));
     assert!(variance.texels().iter().any(|v| v.max_element() > 0.0));
 }
@@ -86,14 +86,6 @@ fn render_is_near_the_reference_and_without_shadows_it_is_not() {
 }
 
 #[test]
-fn bench_times_every_fit() {
-    let folder = tempfile::tempdir().unwrap();
-    let json = gnomon(folder.path(), &["bench", "fits", "--repeats", "1", "--json"]).succeeded().json();
-    let fits = json["fits"].as_array().unwrap();
-    assert!(fits.len() >= 3 && fits.iter().all(|fit| fit["median_milliseconds"].as_f64().unwrap() > 0.0));
-}
-
-#[test]
 fn a_scene_file_brings_environment_and_camera_and_the_command_line_overrules_them() {
     let folder = tempfile::tempdir().unwrap();
     let quad = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n";
@@ -104,7 +96,7 @@ fn a_scene_file_brings_environment_and_camera_and_the_command_line_overrules_the
     let trace = |output: &str, arguments: &[&str]| {
         let fixed = ["reference", "-o", output, "--size", "8x6", "--spp", "64"];
         gnomon(folder.path(), &[&fixed[..], arguments].concat()).succeeded();
-        gnomon::image::read(folder.path().join(output)).unwrap().image
+        gnomon::picture::read(folder.path().join(output)).unwrap().image
     };
     let own = trace("own.exr", &["scene.toml"]);
     let view = ["--camera", "eye=0,3,0.1; target=0,0,0; fov=20", "--ground", "none"];
@@ -134,8 +126,8 @@ fn demo_writes_its_sheet() {
     assert!(run.out.contains("relative RMSE") && run.out.contains("sheet.png"), "{}", run.out);
     let demo = folder.path().join("deep/demo");
     assert_eq!(files(&demo), ["comparison.json", "gpu.exr", "reference.exr", "sheet.png"]);
-    let sheet = gnomon::image::read(demo.join("sheet.png")).unwrap().image;
-    let panel = gnomon::image::read(demo.join("gpu.exr")).unwrap().image;
+    let sheet = gnomon::picture::read(demo.join("sheet.png")).unwrap().image;
+    let panel = gnomon::picture::read(demo.join("gpu.exr")).unwrap().image;
     assert!(sheet.width() >= 2 * panel.width() && sheet.height() >= 3 * panel.height());
 }
 
@@ -149,10 +141,10 @@ fn debug_views_are_written_as_they_are() {
     let scene = ["three-boxes", "--env", "room", "--size", "64x48", "--lights", "disks", "-o", "view.png"];
     let run = |arguments: &[&str]| gnomon(folder.path(), &[&["render"], &scene[..], arguments].concat());
     run(&["--debug", "normals"]).succeeded();
-    let normals = gnomon::image::read(folder.path().join("view.png")).unwrap().image;
+    let normals = gnomon::picture::read(folder.path().join("view.png")).unwrap().image;
     // The ground's normal is +y: (0.5, 1, 0.5) as bytes, in the picture's last row.
     let bytes =
-        normals.get(32, 47).to_array().map(|c| (255.0 * gnomon::image::tonemap::srgb_encode(c)).round());
+        normals.get(32, 47).to_array().map(|c| (255.0 * gnomon::picture::tonemap::srgb_encode(c)).round());
     assert!(bytes[1] >= 254.0 && (bytes[0] - 128.0).abs() <= 1.0, "{bytes:?}");
     run(&["--debug", "lights", "--debug-light", "1"]).succeeded();
     run(&["--debug", "norms"]).failed("base-color");

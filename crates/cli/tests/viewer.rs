@@ -10,7 +10,7 @@ mod support;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use gnomon::image::RgbImage;
+use gnomon::picture::RgbImage;
 use screen::Screen;
 use support::{Run, can_render, command, files, gnomon};
 
@@ -28,7 +28,7 @@ const SCENE: &str = "[[model]]\nbuiltin = \"three-boxes\"\nground = true\n\n[env
     [fit]\nlight_count = 12\n\n[render]\nsupersample = 1\n";
 
 fn read(path: &Path) -> RgbImage {
-    gnomon::image::read(path).unwrap().image
+    gnomon::picture::read(path).unwrap().image
 }
 
 /// A window's contents but for its first rows, where the caption tells what a frame took.

@@ -1,5 +1,5 @@
 use glam::{DVec3, Vec2, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use rayon::prelude::*;
 
 use crate::Equirect;

@@ -1,7 +1,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
-use gnomon_image::{LUMINANCE, RgbImage};
+use gnomon_picture::{LUMINANCE, RgbImage};
 
 /// An equirectangular (latitude-longitude) map of incoming radiance, finite and not negative.
 ///

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use gnomon_image::{Decoded, ImageError, RgbImage};
+use gnomon_picture::{Decoded, ImageError, RgbImage};
 
 use crate::{Equirect, Projection};
 
@@ -103,7 +103,7 @@ impl Environment {
 /// [`EnvMapError`]: unreadable, of no known shape, or not of the shape that was named.
 pub fn load(path: impl AsRef<Path>, forced: Option<Projection>) -> Result<Environment, EnvMapError> {
     let path = path.as_ref();
-    let Decoded { image, environment, warnings, .. } = gnomon_image::read(path)?;
+    let Decoded { image, environment, warnings, .. } = gnomon_picture::read(path)?;
     let (width, height) = (image.width(), image.height());
     let known = Projection::list;
     let path = || path.to_owned();

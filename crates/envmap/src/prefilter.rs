@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::Vec3;
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use rayon::prelude::*;
 
 use crate::Equirect;

@@ -9,7 +9,7 @@ use common::{flux_error, uneven};
 use glam::{DVec3, Vec3};
 use gnomon_brdf::d_ggx;
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9, load};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use gnomon_testing::data_file;
 
 /// Relative L2 difference after the one scale that fits best.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use common::{MAPS, flux_error, rms, uneven};
 use glam::{DVec3, Vec3};
 use gnomon_envmap::{CleanReport, CubeMap, EnvMapError, Environment, Equirect, Projection, load};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use gnomon_testing::data_file;
 
 fn data(name: &str) -> Option<Environment> {
@@ -19,7 +19,7 @@ fn data(name: &str) -> Option<Environment> {
 fn reload(image: &RgbImage, forced: Option<Projection>) -> Result<Environment, EnvMapError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("map.exr");
-    gnomon_image::write(&path, image).unwrap();
+    gnomon_picture::write(&path, image).unwrap();
     load(&path, forced)
 }
 
@@ -59,7 +59,7 @@ fn twins_disagree_when_their_samples_are_taken_as_areas() {
     // The planted fault of the test above: without the attribute, texels count as areas.
     let Some(lat_long) = data("openexr_WavyLinesLatLong.exr") else { return };
     let Some(cube) = data_file("env/openexr_WavyLinesCube.exr") else { return };
-    let cube = reload(&gnomon_image::read(cube).unwrap().image, None).unwrap();
+    let cube = reload(&gnomon_picture::read(cube).unwrap().image, None).unwrap();
     assert_eq!(cube.projection, Projection::SixFaces);
     let off = rms(&cube.map.resized(32, 16), &lat_long.map.resized(32, 16));
     assert!(off > 0.01, "{off}");
@@ -70,7 +70,7 @@ fn the_angular_probe_gives_the_expected_lat_long() {
     let Some(probe) = data_file("env/oiio_uffizi_probe-128_angular.exr") else { return };
     let Some(expected) = data_file("env/oiio_uffizi_latlong_env-128_expected.exr") else { return };
     // OpenImageIO computed it for texels as areas, though the file's attribute says otherwise.
-    let expected = Equirect::new(gnomon_image::read(expected).unwrap().image);
+    let expected = Equirect::new(gnomon_picture::read(expected).unwrap().image);
     let compare = |map: Equirect| rms(&map.resized(expected.width(), expected.height()), &expected);
 
     let as_openimageio = load(&probe, Some(Projection::MirroredProbe)).unwrap().map;

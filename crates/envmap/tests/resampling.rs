@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use common::{flux_error, rms, uneven};
 use glam::{DVec3, Vec3};
 use gnomon_envmap::{CubeMap, Equirect};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use proptest::prelude::*;
 
 fn constant(width: u32, height: u32) -> Equirect {

@@ -1,6 +1,17 @@
 //! Gnomon lights a scene in which everything moves with an HDR environment map, soft shadows included.
 //!
-//! ```no_run
+//! Pictures, environments, lights, materials and scenes are always there. The rest are features, all of them on by default:
+//!
+//! | feature | brings |
+//! |---|---|
+//! | `files` | `scene_files`: scene and camera files |
+//! | `metrics` | `metrics`: differences of pictures |
+//! | `reference` | `reference`: the ray tracer that tells the truth |
+//! | `renderer` | `renderer`: frames on a GPU |
+//! | `studio` | `studio`: a live session; it needs the four others |
+//!
+#![cfg_attr(feature = "renderer", doc = "```no_run")]
+#![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
 //! use gnomon::lights::fit::{self, FitOptions};
 //! use gnomon::renderer::{Gpu, GpuOptions, RenderSettings, Renderer};
 //!
@@ -18,14 +29,18 @@
 //! # }
 //! ```
 
-pub use gnomon_bench as bench;
 pub use gnomon_brdf as brdf;
 pub use gnomon_envmap as envmap;
-pub use gnomon_image as image;
 pub use gnomon_lights as lights;
+#[cfg(feature = "metrics")]
 pub use gnomon_metrics as metrics;
+pub use gnomon_picture as picture;
+#[cfg(feature = "reference")]
 pub use gnomon_reference as reference;
+#[cfg(feature = "renderer")]
 pub use gnomon_renderer as renderer;
-pub use gnomon_report as report;
 pub use gnomon_scene as scene;
+#[cfg(feature = "files")]
+pub use gnomon_scene_files as scene_files;
+#[cfg(feature = "studio")]
 pub use gnomon_studio as studio;

@@ -179,7 +179,7 @@ impl LightEntry {
 mod tests {
     use glam::DVec2;
     use gnomon_envmap::Equirect;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
 

@@ -2,7 +2,6 @@
 //!
 //! [`fit`] holds the fits; each gives a [`LightSet`]: uniform [`DistantLight`]s plus the residual map.
 
-pub mod bench;
 mod document;
 pub mod fit;
 pub mod form_factor;

@@ -1,6 +1,6 @@
 use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::{LUMINANCE, RgbImage};
+use gnomon_picture::{LUMINANCE, RgbImage};
 use serde_json::{Map, Value};
 
 use crate::DistantLight;

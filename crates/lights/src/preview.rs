@@ -2,7 +2,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::{LUMINANCE, RgbImage};
+use gnomon_picture::{LUMINANCE, RgbImage};
 use rayon::prelude::*;
 
 use crate::{DistantLight, LightSet, LightShape};

@@ -5,9 +5,9 @@ mod common;
 use common::{flux_error, is_physical, quarter_turn, turn_error};
 use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::fit::{FitError, by_name, methods, sampler_by_name, samplers};
 use gnomon_lights::{DistantLight, FitOptions, LightFit, LightSet, LightShape};
+use gnomon_picture::RgbImage;
 use proptest::prelude::*;
 
 /// Every registered fit, once with its defaults and once with each of the other ways to stop.

@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use gnomon_image::tonemap::srgb_decode;
+use gnomon_picture::tonemap::srgb_decode;
 
 /// Nodes of matplotlib's `magma` at multiples of 1/16, sRGB-encoded (van der Walt and Smith 2015, CC0).
 const MAGMA: [Vec3; 17] = [
@@ -36,7 +36,7 @@ pub fn magma(value: f32) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use gnomon_image::LUMINANCE;
+    use gnomon_picture::LUMINANCE;
 
     use super::*;
 

@@ -1,6 +1,6 @@
 use glam::{DVec3, Vec3};
-use gnomon_image::RgbImage;
-use gnomon_image::tonemap::srgb_encode;
+use gnomon_picture::RgbImage;
+use gnomon_picture::tonemap::srgb_encode;
 use serde::Serialize;
 
 use crate::display::{DISPLAY_MAPPING, Exposure, display_light};

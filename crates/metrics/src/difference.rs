@@ -1,6 +1,6 @@
 use glam::Vec3;
-use gnomon_image::RgbImage;
-use gnomon_image::tonemap::srgb_decode;
+use gnomon_picture::RgbImage;
+use gnomon_picture::tonemap::srgb_decode;
 
 use crate::color_map::magma;
 use crate::compare::{MetricsError, check_pair};

@@ -1,5 +1,5 @@
 use glam::Vec3;
-use gnomon_image::{LUMINANCE, RgbImage};
+use gnomon_picture::{LUMINANCE, RgbImage};
 
 use crate::Mask;
 

@@ -4,7 +4,7 @@
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{Mat3, Vec2, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use rayon::prelude::*;
 
 use crate::{MetricsError, compare::check_pair, display::display_light};

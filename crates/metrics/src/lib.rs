@@ -1,8 +1,7 @@
-//! How far a picture is from the truth, and how far it may be.
+//! How far a picture is from the truth.
 //!
 //! [`compare`] measures everything at once: relative errors of the linear radiance, peak signal-to-noise ratio and
-//! FLIP of what a display would show. [`tolerances`] holds every limit that the project's tests set, each with its
-//! reason. A mean alone hides a missing shadow (a few pixels, all wrong); the error-weighted percentiles, the regions
+//! FLIP of what a display would show. A mean alone hides a missing shadow (a few pixels, all wrong); the error-weighted percentiles, the regions
 //! and [`penumbra`] are there because they do not.
 
 mod color_map;
@@ -12,7 +11,6 @@ mod display;
 mod flip;
 mod mask;
 pub mod penumbra;
-pub mod tolerances;
 mod weighted;
 mod z_test;
 

@@ -46,9 +46,9 @@ impl Mask {
     }
 }
 
-impl From<gnomon_image::Mask> for Mask {
-    /// The mask that a picture file holds ([`gnomon_image::read_mask`]): white counts.
-    fn from(mask: gnomon_image::Mask) -> Self {
+impl From<gnomon_picture::Mask> for Mask {
+    /// The mask that a picture file holds ([`gnomon_picture::read_mask`]): white counts.
+    fn from(mask: gnomon_picture::Mask) -> Self {
         let inside = |x, y| mask.inside.get(y as usize * mask.width as usize + x as usize);
         Self::from_fn(mask.width, mask.height, |x, y| inside(x, y).copied().unwrap_or(false))
     }
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_mask_from_a_file_keeps_its_pixels() {
-        let mask = gnomon_image::Mask { width: 2, height: 2, inside: vec![false, true, true, false] };
+        let mask = gnomon_picture::Mask { width: 2, height: 2, inside: vec![false, true, true, false] };
         let mask = Mask::from(mask);
         assert_eq!(mask.indices().collect::<Vec<_>>(), [1, 2]);
         assert!(mask.contains(1, 0) && !mask.contains(0, 0) && !mask.contains(2, 0));

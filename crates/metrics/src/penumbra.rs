@@ -78,7 +78,7 @@ mod tests {
             assert!((measured / width - 1.0).abs() < 0.01, "{measured} for {width}");
         }
         let doubled = disk_penumbra_width(&disk_profile(80.0)).unwrap();
-        assert!((doubled / 40.0 - 1.0).abs() > crate::tolerances::PENUMBRA_WIDTH);
+        assert!((doubled / 40.0 - 1.0).abs() > gnomon_testing::tolerances::PENUMBRA_WIDTH);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 
 use crate::compare::{MetricsError, check_finite, check_pair, check_size};
 

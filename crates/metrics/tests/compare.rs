@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use glam::Vec3;
-use gnomon_image::RgbImage;
-use gnomon_image::tonemap::srgb_decode;
-use gnomon_metrics::tolerances::{PENUMBRA_WIDTH, SHADOW_FLIP_WEIGHTED_MEDIAN};
 use gnomon_metrics::{Exposure, Mask, Region, compare, compare_displayed, penumbra};
+use gnomon_picture::RgbImage;
+use gnomon_picture::tonemap::srgb_decode;
+use gnomon_testing::tolerances::{PENUMBRA_WIDTH, SHADOW_FLIP_WEIGHTED_MEDIAN};
 use proptest::prelude::*;
 
 #[test]

@@ -7,10 +7,10 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use glam::Vec3;
-use gnomon_image::RgbImage;
-use gnomon_image::tonemap::srgb_decode;
-use gnomon_metrics::tolerances::FLIP_PIXEL;
 use gnomon_metrics::{PIXELS_PER_DEGREE, flip};
+use gnomon_picture::RgbImage;
+use gnomon_picture::tonemap::srgb_decode;
+use gnomon_testing::tolerances::FLIP_PIXEL;
 
 const WIDTH: u32 = 48;
 const HEIGHT: u32 = 32;

@@ -292,7 +292,7 @@ fn sample_linear(u: f64, a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
 

@@ -2,7 +2,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, UVec2};
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
 

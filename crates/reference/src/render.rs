@@ -2,8 +2,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use glam::{DVec3, UVec2, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::LightSet;
+use gnomon_picture::RgbImage;
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
 

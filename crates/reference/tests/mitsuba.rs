@@ -8,13 +8,14 @@ use std::time::Instant;
 
 use glam::Vec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::tonemap::tone_mapped;
-use gnomon_image::{RgbImage, ToneMapping};
-use gnomon_metrics::tolerances::{REFERENCE_MEAN, REFERENCE_RELATIVE_RMSE, Z_TEST_LIMIT, Z_TEST_PASSING};
 use gnomon_metrics::{Comparison, compare, signed_difference, z_test};
+use gnomon_picture::tonemap::tone_mapped;
+use gnomon_picture::{RgbImage, ToneMapping};
 use gnomon_reference::{Estimate, ReferenceOptions, render};
-use gnomon_scene::{Camera, LoadOptions, Projection};
+use gnomon_scene::{Camera, Projection};
+use gnomon_scene_files::LoadOptions;
 use gnomon_testing::data_file;
+use gnomon_testing::tolerances::{REFERENCE_MEAN, REFERENCE_RELATIVE_RMSE, Z_TEST_LIMIT, Z_TEST_PASSING};
 use serde_json::Value;
 
 /// Rows for each of the map's when it is resampled.
@@ -54,11 +55,11 @@ fn run(picture: &str, glb: &str, samples_per_pixel: u32, change: fn(Equirect) ->
     let renders = data_file("reference/renders.json")?;
     let renders: Value = serde_json::from_slice(&std::fs::read(renders).unwrap()).unwrap();
     let entry = renders["images"].as_array().unwrap().iter().find(|image| image["file"] == picture).unwrap();
-    let truth = gnomon_image::read(data_file(&format!("reference/{picture}"))?).unwrap().image;
+    let truth = gnomon_picture::read(data_file(&format!("reference/{picture}"))?).unwrap().image;
     let environment = data_file(&format!("reference/{}", entry["env"].as_str().unwrap()))?;
-    let environment = change(Equirect::new(gnomon_image::read(environment).unwrap().image));
+    let environment = change(Equirect::new(gnomon_picture::read(environment).unwrap().image));
     let path = data_file(&format!("scenes/{glb}"))?;
-    let scene = gnomon_scene::load(&path, &LoadOptions::default()).unwrap().scene;
+    let scene = gnomon_scene_files::load(&path, &LoadOptions::default()).unwrap().scene;
     check_camera(&scene.cameras[0], &entry["camera"]);
 
     let options = ReferenceOptions {
@@ -149,7 +150,7 @@ fn write_pictures(folder: &str, name: &str, ours: &RgbImage, truth: &RgbImage) {
     let shown = |image: &RgbImage| tone_mapped(image, ToneMapping::Neutral, 0.0);
     let difference = signed_difference(ours, truth, 0.1).unwrap();
     for (suffix, image) in [("ours", shown(ours)), ("mitsuba", shown(truth)), ("difference", difference)] {
-        gnomon_image::write(format!("{folder}/{name}_{suffix}.png"), &image).unwrap();
+        gnomon_picture::write(format!("{folder}/{name}_{suffix}.png"), &image).unwrap();
     }
 }
 

@@ -1,8 +1,8 @@
 //! What the ambient rest of a fit does about shadows, side by side on one interface: it may become lights of its own.
 
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, FitOptions, LightSet, fit};
+use gnomon_picture::RgbImage;
 
 use crate::RenderError;
 

@@ -8,7 +8,7 @@ use gnomon_shaders::layout;
 use rayon::prelude::*;
 
 use crate::bindings::Binding;
-use crate::bounds::{InstanceBox, PlacedBoxes, SimplerIndices};
+use crate::casters::{InstanceBox, PlacedBoxes, SimplerIndices};
 use crate::deformation::{DeformableBoxes, PoseData, Records};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};

@@ -169,14 +169,14 @@ impl Gpu {
         let fault = Arc::new(Mutex::new(None));
         let note_error = Arc::clone(&fault);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let words = one_line(&error.to_string());
+            let words = gnomon_messages::one_line(&error.to_string());
             locked(&note_error).get_or_insert(Fault::Error(words));
         }));
         let note_loss = Arc::clone(&fault);
         device.set_device_lost_callback(move |reason, message| {
             *locked(&note_loss) = Some(Fault::Lost(match reason {
                 wgpu::DeviceLostReason::Destroyed => "it was destroyed".to_owned(),
-                _ => one_line(&message),
+                _ => gnomon_messages::one_line(&message),
             }));
         });
         Ok(Self { device, queue, compiled: Arc::default(), summary: Arc::new(summarise(adapter)), fault })
@@ -270,8 +270,4 @@ impl Gpu {
 
 fn locked(fault: &Mutex<Option<Fault>>) -> MutexGuard<'_, Option<Fault>> {
     fault.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -7,8 +7,8 @@
 pub mod ambient;
 mod batch_plan;
 mod bindings;
-mod bounds;
 mod camera;
+mod casters;
 mod compose;
 pub mod composite;
 pub mod debug_view;

@@ -4,7 +4,7 @@ use gnomon_lights::{DistantLight, LightShape};
 use gnomon_scene::Bounds;
 use gnomon_shaders::layout;
 
-use crate::bounds::PlacedBoxes;
+use crate::casters::PlacedBoxes;
 
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
 pub(crate) const MARGIN_TEXELS: f32 = 2.0;
@@ -189,7 +189,7 @@ mod tests {
     use glam::{Affine3A, DVec3};
 
     use super::*;
-    use crate::bounds::InstanceBox;
+    use crate::casters::InstanceBox;
 
     fn boxes() -> PlacedBoxes {
         PlacedBoxes::new(&[InstanceBox {

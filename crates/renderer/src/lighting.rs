@@ -3,8 +3,8 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
-use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
+use gnomon_picture::RgbImage;
 
 use crate::ambient::{self, Ambient, AmbientLights};
 use crate::{Gpu, RenderError, RenderSettings};

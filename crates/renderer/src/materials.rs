@@ -180,11 +180,11 @@ fn upload(gpu: &Gpu, texture: &Texture, srgb: bool) -> (wgpu::TextureView, wgpu:
 fn mip_chain(texture: &Texture, srgb: bool) -> Vec<Vec<[u8; 4]>> {
     let decode = |texel: [u8; 4]| {
         let unit = Vec4::from(texel.map(|channel| f32::from(channel) / 255.0));
-        if srgb { unit.truncate().map(gnomon_image::tonemap::srgb_decode).extend(unit.w) } else { unit }
+        if srgb { unit.truncate().map(gnomon_picture::tonemap::srgb_decode).extend(unit.w) } else { unit }
     };
     let encode = |value: Vec4| {
         let rgb: Vec3 = value.truncate();
-        let unit = if srgb { rgb.map(gnomon_image::tonemap::srgb_encode).extend(value.w) } else { value };
+        let unit = if srgb { rgb.map(gnomon_picture::tonemap::srgb_encode).extend(value.w) } else { value };
         unit.to_array().map(|channel| (channel.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
     };
     let mut levels = vec![texture.rgba8.clone()];

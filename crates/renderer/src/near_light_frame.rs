@@ -2,7 +2,7 @@ use glam::{Mat4, Vec2, Vec3};
 use gnomon_scene::{AreaLightShape, PlacedLight};
 use gnomon_shaders::layout;
 
-use crate::bounds::{PlacedBox, PlacedBoxes};
+use crate::casters::{PlacedBox, PlacedBoxes};
 use crate::light_frame::MARGIN_TEXELS;
 
 /// Tangent of half the widest field of view of a map, 150 degrees: beyond it texels at the rim grow too coarse. What lies outside
@@ -161,7 +161,7 @@ mod tests {
     use gnomon_scene::Bounds;
 
     use super::*;
-    use crate::bounds::InstanceBox;
+    use crate::casters::InstanceBox;
 
     fn boxes() -> Vec<InstanceBox> {
         vec![InstanceBox {

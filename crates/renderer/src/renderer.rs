@@ -1,9 +1,9 @@
 use glam::{Mat4, Quat};
 
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
-use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::LightSet;
+use gnomon_picture::RgbImage;
+use gnomon_picture::tonemap::ToneMapping;
 use gnomon_scene::{Bounds, Camera, PlacedLight, Scene};
 use gnomon_shaders::layout;
 

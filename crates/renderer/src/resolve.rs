@@ -1,4 +1,4 @@
-use gnomon_image::tonemap::ToneMapping;
+use gnomon_picture::tonemap::ToneMapping;
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2};
@@ -75,7 +75,7 @@ impl ResolvePass {
     ) {
         let parameters = layout::ResolveParameters {
             samples,
-            exposure: gnomon_image::tonemap::exposure_scale(exposure_ev),
+            exposure: gnomon_picture::tonemap::exposure_scale(exposure_ev),
             tone_mapping: match tone_mapping {
                 ToneMapping::Linear => 0,
                 ToneMapping::Neutral => 1,

@@ -1,4 +1,4 @@
-use gnomon_image::tonemap::ToneMapping;
+use gnomon_picture::tonemap::ToneMapping;
 
 use crate::RenderError;
 use crate::batch_plan::ShadowSizing;

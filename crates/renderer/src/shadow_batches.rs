@@ -3,7 +3,7 @@ use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::batch_plan::{Budget, plan};
-use crate::bounds::Casters;
+use crate::casters::Casters;
 use crate::depth_maps::{DepthMaps, MapView, ShadowMapPass};
 use crate::geometry::Geometry;
 use crate::light_frame::{footprint, hidden_deviation, light_uniform};

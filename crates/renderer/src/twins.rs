@@ -384,11 +384,11 @@ fn tone_mapping() {
     let bright = |u: Vec4, _| [8.0 * u * u, Vec4::ZERO];
     let unit = |u, _| [u, Vec4::ZERO];
     compare("tonemap", "vec4f(srgb_decode(a.x))", 1e-4, unit, |[a, _]| {
-        Vec4::splat(gnomon_image::tonemap::srgb_decode(a.x))
+        Vec4::splat(gnomon_picture::tonemap::srgb_decode(a.x))
     });
     compare("tonemap", "vec4f(tone_map_neutral(a.xyz), srgb_encode(a.w / 8.0))", 1e-4, bright, |[a, _]| {
-        let mapped = gnomon_image::tonemap::tone_map_neutral(a.truncate());
-        mapped.extend(gnomon_image::tonemap::srgb_encode(a.w / 8.0))
+        let mapped = gnomon_picture::tonemap::tone_map_neutral(a.truncate());
+        mapped.extend(gnomon_picture::tonemap::srgb_encode(a.w / 8.0))
     });
 }
 

@@ -8,12 +8,13 @@ use common::*;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::form_factor::rectangle_form_factor;
 use gnomon_lights::{DistantLight, FitOptions, LightSet, LightShape};
-use gnomon_metrics::{penumbra, tolerances};
+use gnomon_metrics::penumbra;
+use gnomon_picture::RgbImage;
 use gnomon_renderer::{RenderSettings, composite, shadow};
 use gnomon_scene::{Camera, Material, Mesh, Projection, Scene};
+use gnomon_testing::tolerances;
 
 fn material(surface: Surface) -> Material {
     Material { surface, ..Default::default() }

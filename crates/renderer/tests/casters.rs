@@ -6,12 +6,14 @@ mod common;
 
 use common::*;
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::{FitOptions, LightSet};
-use gnomon_metrics::{compare, tolerances};
+use gnomon_metrics::compare;
+use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderSettings};
-use gnomon_scene::{LoadOptions, Scene};
+use gnomon_scene::Scene;
+use gnomon_scene_files::LoadOptions;
+use gnomon_testing::tolerances;
 
 fn fit(method: &str, count: usize, map: &Equirect) -> LightSet {
     let options = FitOptions { light_count: Some(count), ..Default::default() };
@@ -89,9 +91,9 @@ fn simpler_casters_are_as_near_to_mitsuba() {
         return;
     };
     let Some(gpu) = gpu_or_skip() else { return };
-    let scene = gnomon_scene::load(&scene, &LoadOptions::default()).unwrap().scene;
+    let scene = gnomon_scene_files::load(&scene, &LoadOptions::default()).unwrap().scene;
     let map = gnomon_envmap::load(&map, None).unwrap().map;
-    let truth = gnomon_image::read(&truth).unwrap().image;
+    let truth = gnomon_picture::read(&truth).unwrap().image;
     let set = fit("optimized", 48, &map);
     let error = |deviation| {
         let settings = RenderSettings::default().with(|s| s.techniques.caster_deviation = deviation);

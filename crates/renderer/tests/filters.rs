@@ -8,10 +8,11 @@ use common::edge::*;
 use common::*;
 use glam::{Vec2, Vec3};
 use gnomon_lights::LightSet;
-use gnomon_metrics::{penumbra, tolerances};
+use gnomon_metrics::penumbra;
 use gnomon_renderer::shadow::{ConvolutionSettings, Footprint, Prefilter};
 use gnomon_renderer::{Gpu, RenderSettings};
 use gnomon_scene::{Camera, Mesh, Projection, Scene};
+use gnomon_testing::tolerances;
 
 /// Sets a part of the technique.
 type Change = fn(&mut ConvolutionSettings);

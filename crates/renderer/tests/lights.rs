@@ -8,12 +8,13 @@ use std::f32::consts::PI;
 use common::*;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use gnomon_brdf::Surface;
-use gnomon_image::RgbImage;
 use gnomon_lights::LightSet;
-use gnomon_metrics::{compare, penumbra, tolerances};
+use gnomon_metrics::{compare, penumbra};
+use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, composite, shadow};
 use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, builtin};
+use gnomon_testing::tolerances;
 
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 const DISK: AreaLightShape = AreaLightShape::Disk { radius: 0.2 };
@@ -200,9 +201,12 @@ fn lamps_over_three_boxes_match_ray_tracing() {
             let seen = render(&gpu, settings, &scene, &no_light(), &dark_set(), camera, size).radiance;
             if let Ok(folder) = std::env::var("GNOMON_PICTURES") {
                 for (what, image) in [(shadows, &seen), ("truth", &truth)] {
-                    let shown =
-                        gnomon_image::tonemap::tone_mapped(image, gnomon_image::ToneMapping::Neutral, 4.5);
-                    gnomon_image::write(format!("{folder}/{name}_{what}.png"), &shown).unwrap();
+                    let shown = gnomon_picture::tonemap::tone_mapped(
+                        image,
+                        gnomon_picture::ToneMapping::Neutral,
+                        4.5,
+                    );
+                    gnomon_picture::write(format!("{folder}/{name}_{what}.png"), &shown).unwrap();
                 }
             }
             compare(&seen, &truth, None).unwrap().relative_rmse

@@ -6,10 +6,12 @@ mod common;
 
 use common::*;
 use gnomon_lights::FitOptions;
-use gnomon_metrics::{compare, tolerances};
+use gnomon_metrics::compare;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{RenderSettings, Renderer};
-use gnomon_scene::{Ground, LoadOptions, default_camera};
+use gnomon_scene::{Ground, default_camera};
+use gnomon_scene_files::LoadOptions;
+use gnomon_testing::tolerances;
 
 const SIZE: [u32; 2] = [128, 96];
 
@@ -26,9 +28,10 @@ fn poses_look_as_ray_traced() {
         [("BrainStem", 0, 0.45), ("RobotExpressive", 0, 0.3), ("Fox", 2, 0.3), ("AnimatedMorphCube", 0, 0.45)]
     {
         let Some(path) = gnomon_testing::data_file(&format!("models/{name}.glb")) else { return };
-        let mut scene = gnomon_scene::load(&path, &LoadOptions { aspect: 4.0 / 3.0, ..Default::default() })
-            .unwrap()
-            .scene;
+        let mut scene =
+            gnomon_scene_files::load(&path, &LoadOptions { aspect: 4.0 / 3.0, ..Default::default() })
+                .unwrap()
+                .scene;
         let seconds = share * scene.animations[clip].duration();
         // Some models rest with their feet in the ground: the clip decides where that is.
         scene.animate(clip, seconds).unwrap();
@@ -46,7 +49,7 @@ fn poses_look_as_ray_traced() {
         if let Some(folder) = std::env::var_os("GNOMON_PICTURES") {
             let folder = std::path::Path::new(&folder);
             for (what, picture) in [("rest", &at_rest), ("drawn", &drawn), ("truth", &truth)] {
-                gnomon_image::write(folder.join(format!("{name}_{what}.png")), picture).unwrap();
+                gnomon_picture::write(folder.join(format!("{name}_{what}.png")), picture).unwrap();
             }
         }
         let error = |picture| compare(picture, &truth, None).unwrap().relative_rmse;

@@ -6,12 +6,12 @@ mod common;
 use common::*;
 use glam::{DVec2, DVec3, Vec3};
 use gnomon_brdf::{Model, Surface};
-use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
-use gnomon_metrics::tolerances;
+use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, ResidualShadows};
 use gnomon_renderer::{Gpu, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material, MaterialId, Scene};
+use gnomon_testing::tolerances;
 
 const MODELS: [(Model, f32); 6] = [
     (Model::Lambert, 0.0),

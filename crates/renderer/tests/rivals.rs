@@ -8,10 +8,11 @@ use common::edge::*;
 use common::*;
 use glam::{Vec2, Vec3};
 use gnomon_lights::LightSet;
-use gnomon_metrics::{penumbra, tolerances};
+use gnomon_metrics::penumbra;
 use gnomon_renderer::shadow::ShadowSettings;
 use gnomon_renderer::{Renderer, shadow};
 use gnomon_scene::Camera;
+use gnomon_testing::tolerances;
 
 const RIVALS: [&str; 5] = ["hard", "hard-linear", "pcf", "pcss", "moments"];
 /// Place x [m] where a profile rises through one half.

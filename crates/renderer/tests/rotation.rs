@@ -6,14 +6,14 @@ mod common;
 use common::gpu_or_skip;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::{Equirect, builtin};
-use gnomon_image::RgbImage;
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::{FitOptions, by_name};
 use gnomon_metrics::relative_rmse;
-use gnomon_metrics::tolerances::{ROTATED_REFERENCE_RMSE, ROTATED_SCENE_RMSE, ROTATED_TEXELS_RMSE};
+use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material, Scene};
+use gnomon_testing::tolerances::{ROTATED_REFERENCE_RMSE, ROTATED_SCENE_RMSE, ROTATED_TEXELS_RMSE};
 
 const SIZE: [u32; 2] = [64, 48];
 const YAW: f32 = 1.9;

@@ -8,11 +8,13 @@ use common::edge::white;
 use common::*;
 use glam::{Vec2, Vec3};
 use gnomon_brdf::{Model, Surface};
-use gnomon_image::RgbImage;
 use gnomon_lights::FitOptions;
-use gnomon_metrics::{compare, tolerances};
+use gnomon_metrics::compare;
+use gnomon_picture::RgbImage;
 use gnomon_renderer::{RenderError, RenderSettings, Renderer};
-use gnomon_scene::{Camera, LoadOptions, Material, Projection, Scene};
+use gnomon_scene::{Camera, Material, Projection, Scene};
+use gnomon_scene_files::LoadOptions;
+use gnomon_testing::tolerances;
 
 fn settings(shadow_sampling: u32) -> RenderSettings {
     RenderSettings::default().with(|s| {
@@ -32,9 +34,9 @@ fn a_sixteenth_of_the_samples_adds_little_error() {
         return;
     };
     let Some(gpu) = gpu_or_skip() else { return };
-    let scene = gnomon_scene::load(&scene, &LoadOptions::default()).unwrap().scene;
+    let scene = gnomon_scene_files::load(&scene, &LoadOptions::default()).unwrap().scene;
     let map = gnomon_envmap::load(&map, None).unwrap().map;
-    let truth = gnomon_image::read(&truth).unwrap().image;
+    let truth = gnomon_picture::read(&truth).unwrap().image;
     let options = FitOptions { light_count: Some(60), ..Default::default() };
     let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
     let size = [truth.width(), truth.height()];

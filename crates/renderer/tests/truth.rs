@@ -8,12 +8,14 @@ use std::path::Path;
 
 use common::*;
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::{FitOptions, LightSet};
-use gnomon_metrics::{compare, tolerances};
+use gnomon_metrics::compare;
+use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderSettings};
-use gnomon_scene::{Camera, LoadOptions, Scene};
+use gnomon_scene::{Camera, Scene};
+use gnomon_scene_files::LoadOptions;
+use gnomon_testing::tolerances;
 
 /// The default, and the method of Annen et al. 2008.
 const SOFT: [&str; 2] = ["pcss", "convolution"];
@@ -27,7 +29,7 @@ fn fit_by(method: &str, options: FitOptions, map: &Equirect) -> LightSet {
 }
 
 fn load(path: &Path) -> (Scene, Camera) {
-    let scene = gnomon_scene::load(path, &LoadOptions::default()).unwrap().scene;
+    let scene = gnomon_scene_files::load(path, &LoadOptions::default()).unwrap().scene;
     let camera = scene.cameras[0].clone();
     (scene, camera)
 }
@@ -44,7 +46,7 @@ fn of_mitsuba(
     let gpu = gpu_or_skip()?;
     let (scene, camera) = load(&scene);
     let map = gnomon_envmap::load(&map, None).unwrap().map;
-    Some((gpu, scene, camera, map, gnomon_image::read(&truth).unwrap().image))
+    Some((gpu, scene, camera, map, gnomon_picture::read(&truth).unwrap().image))
 }
 
 /// Relative RMSE of every technique's picture against Mitsuba's.
@@ -159,9 +161,10 @@ fn goldens() {
         let name = format!("{scene_name}_{environment}_{method}_{compositing}.exr");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(&name);
         if std::env::var_os("GNOMON_UPDATE_GOLDENS").is_some() {
-            gnomon_image::write(&path, &frame.radiance).unwrap();
+            gnomon_picture::write(&path, &frame.radiance).unwrap();
         }
-        let golden = gnomon_image::read(&path).unwrap_or_else(|error| panic!("golden {name}: {error}")).image;
+        let golden =
+            gnomon_picture::read(&path).unwrap_or_else(|error| panic!("golden {name}: {error}")).image;
         let error = compare(&frame.radiance, &golden, None).unwrap().relative_rmse;
         assert!(error <= tolerances::GOLDEN_RELATIVE_RMSE, "{name}: {error}");
     }

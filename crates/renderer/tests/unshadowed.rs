@@ -9,9 +9,9 @@ use glam::{Mat3, Vec3};
 use gnomon_brdf::{Model, Surface};
 use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
-use gnomon_metrics::tolerances;
 use gnomon_renderer::{Gpu, RenderSettings};
 use gnomon_scene::{Camera, Material, Projection};
+use gnomon_testing::tolerances;
 
 const SIDE: u32 = 64;
 /// Every so many pixels are integrated.

@@ -2,9 +2,8 @@
 
 use glam::{Affine3A, Quat, Vec3};
 
-use crate::load::LARGEST_COORDINATE;
 use crate::pose::LARGEST;
-use crate::{NodeId, Scene, SceneError};
+use crate::{LARGEST_COORDINATE, NodeId, Scene, SceneError};
 
 /// A clip of a scene: what [`Scene::animate`] plays.
 #[derive(Clone, Debug, PartialEq, Default)]

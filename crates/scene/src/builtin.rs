@@ -32,13 +32,16 @@ pub fn by_name(name: &str) -> Result<Scene, SceneError> {
 const GROUND_HALF_SIDE: f32 = 4.0;
 
 /// The built-in scene's models and camera alone, to be placed in another scene.
-pub(crate) fn without_ground(name: &str) -> Result<Scene, SceneError> {
+///
+/// # Errors
+/// As [`by_name`].
+pub fn without_ground(name: &str) -> Result<Scene, SceneError> {
     match name {
         "three-boxes" => Ok(three_boxes()),
         "column" => Ok(column()),
         "terrain" => Ok(terrain()),
         _ => {
-            let name = crate::error::one_line(name);
+            let name = gnomon_messages::quoted(name);
             Err(SceneError::Request(format!(
                 "there is no built-in scene '{name}' (there are: {})",
                 NAMES.join(", ")
@@ -193,7 +196,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
-    use crate::load::triangle_normal;
+    use crate::triangle_normal;
 
     #[test]
     fn triangle_counts_are_those_of_the_papers() {

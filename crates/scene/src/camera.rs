@@ -1,10 +1,8 @@
-use std::path::Path;
-
 use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec3, Vec3A};
+use gnomon_messages::quoted;
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
-use crate::error::one_line;
 use crate::pose::LARGEST;
 
 /// How a camera maps directions to the picture.
@@ -54,42 +52,6 @@ impl Camera {
     pub fn eye(&self) -> Vec3 {
         self.world_from_camera.w_axis.truncate()
     }
-
-    /// The camera that a user describes on the command line: `eye=x,y,z;target=x,y,z;fov=degrees` (horizontal), or else
-    /// the path of a camera file, see [`Camera::from_file`].
-    ///
-    /// # Errors
-    /// [`SceneError::Request`] for a description that makes no sense, and those of [`Camera::from_file`].
-    pub fn from_argument(argument: &str) -> Result<Self, SceneError> {
-        if argument.contains('=') && !Path::new(argument).exists() {
-            return argument.parse();
-        }
-        Self::from_file(Path::new(argument))
-    }
-
-    /// Reads a camera file: the keys of a scene file's `[camera]` (`SCENE_FORMAT.md`), `eye`, `target` and `fov` as people write
-    /// them or `matrix` and a lens as programs do; as TOML, or as JSON where it starts with `{`.
-    ///
-    /// # Errors
-    /// [`SceneError::Io`], or [`SceneError::Invalid`] naming what is wrong.
-    pub fn from_file(path: &Path) -> Result<Self, SceneError> {
-        const MOST_BYTES: u64 = 1 << 20;
-        let io = |source| SceneError::Io { path: path.to_owned(), source };
-        let invalid =
-            |message: &str| SceneError::Invalid { path: path.to_owned(), message: one_line(message) };
-        let metadata = std::fs::metadata(path).map_err(io)?;
-        if !metadata.is_file() || metadata.len() > MOST_BYTES {
-            return Err(invalid("a camera file is a small text file"));
-        }
-        let text = std::fs::read_to_string(path).map_err(io)?;
-        let text = text.trim_start_matches('\u{feff}');
-        let settings: CameraSettings = if text.trim_start().starts_with('{') {
-            serde_json::from_str(text).map_err(|error| invalid(&error.to_string()))?
-        } else {
-            toml::from_str(text).map_err(|error| invalid(error.message()))?
-        };
-        settings.camera().map_err(|message| invalid(&message))
-    }
 }
 
 impl std::str::FromStr for Camera {
@@ -98,13 +60,13 @@ impl std::str::FromStr for Camera {
     /// Parses `eye=x,y,z;target=x,y,z;fov=degrees`, in any order, blanks allowed.
     fn from_str(text: &str) -> Result<Self, SceneError> {
         let bad = |what: &str| {
-            let text = one_line(text);
+            let text = quoted(text);
             SceneError::Request(format!(
                 "camera '{text}': {what} (eye=x,y,z;target=x,y,z;fov=degrees is expected)"
             ))
         };
         let number = |text: &str| {
-            text.trim().parse::<f32>().map_err(|_| bad(&format!("'{}' is no number", one_line(text))))
+            text.trim().parse::<f32>().map_err(|_| bad(&format!("'{}' is no number", quoted(text))))
         };
         let (mut eye, mut target, mut fov) = (None, None, None);
         for part in text.split(';').filter(|part| !part.trim().is_empty()) {
@@ -121,7 +83,7 @@ impl std::str::FromStr for Camera {
                     [value] if fov.is_none() => fov = Some(*value),
                     _ => return Err(bad("fov is one number")),
                 },
-                key => return Err(bad(&format!("'{}' is unknown", one_line(key)))),
+                key => return Err(bad(&format!("'{}' is unknown", quoted(key)))),
             }
         }
         let missing = |name: &str| bad(&format!("{name} is missing"));
@@ -139,7 +101,7 @@ impl std::str::FromStr for Camera {
 /// `half_width`.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct CameraSettings {
+struct CameraSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eye: Option<[f32; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -251,7 +213,7 @@ impl From<Camera> for CameraSettings {
 
 /// The transform without scale and shear, as a camera has it: the viewing axis keeps its direction, +y is kept as near
 /// as can be. `None` where it is collapsed or not finite.
-pub(crate) fn rigid(affine: Affine3A) -> Option<Mat4> {
+pub fn rigid(affine: Affine3A) -> Option<Mat4> {
     let back = affine.matrix3.z_axis.try_normalize()?;
     let up = affine.matrix3.y_axis;
     let up = (up - back * back.dot(up)).try_normalize()?;
@@ -290,26 +252,6 @@ mod tests {
             assert!(error.contains(why), "{text}: {error}");
             assert!(!error.contains('\n'));
         }
-    }
-
-    #[test]
-    fn camera_files_are_toml_or_json() {
-        let folder = tempfile::tempdir().unwrap();
-        let expected: Camera = "eye=1,2,3;target=0,0,0;fov=50".parse().unwrap();
-        for (name, text) in [
-            ("a.toml", "# a view\neye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 50\n"),
-            ("a.json", r#"{"eye": [1, 2, 3], "target": [0, 0, 0], "fov": 50}"#),
-        ] {
-            let path = folder.path().join(name);
-            std::fs::write(&path, text).unwrap();
-            assert_eq!(Camera::from_file(&path).unwrap(), expected);
-            assert_eq!(Camera::from_argument(path.to_str().unwrap()).unwrap(), expected);
-        }
-        let path = folder.path().join("bad.toml");
-        std::fs::write(&path, "eye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 50\nroll = 3").unwrap();
-        let error = Camera::from_file(&path).unwrap_err().to_string();
-        assert!(error.contains("roll") && !error.contains('\n'), "{error}");
-        assert!(matches!(Camera::from_file(folder.path()), Err(SceneError::Invalid { .. })));
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl std::str::FromStr for Ground {
             "plane" => Ok(Self::Plane),
             "none" => Ok(Self::None),
             _ => {
-                let text = crate::error::one_line(text);
+                let text = gnomon_messages::quoted(text);
                 Err(SceneError::Request(format!("ground '{text}' is unknown (plane and none are known)")))
             }
         }
@@ -266,7 +266,7 @@ mod tests {
         assert!((bounds.center() - Vec3::new(1.5, 3.0, 3.5)).length() < 1e-5);
         // The footprint's radius is half of sqrt 2.
         assert!((bounds.max.x - bounds.min.x - 8.0 * std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-4);
-        let up = crate::load::triangle_normal(
+        let up = crate::triangle_normal(
             scene.meshes[1].triangles[0].map(|i| scene.meshes[1].positions[i as usize]),
         );
         assert_eq!(up, Some(Vec3::Y));

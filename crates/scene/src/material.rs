@@ -1,5 +1,4 @@
 use glam::{Affine2, Vec2, Vec3};
-
 use gnomon_brdf::Surface;
 
 /// Index into [`crate::Scene::textures`].

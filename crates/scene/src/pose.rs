@@ -43,7 +43,7 @@ impl Influences {
     }
 
     /// The same for other vertices, given which each of them was.
-    pub(crate) fn gathered(&self, vertices: impl Iterator<Item = usize>) -> Self {
+    pub fn gathered(&self, vertices: impl Iterator<Item = usize>) -> Self {
         if self.is_empty() {
             return Self::default();
         }
@@ -55,7 +55,7 @@ impl Influences {
     }
 
     /// Appends a vertex. More entries than fit 32 bits are left out: nothing of that size is ever loaded.
-    pub(crate) fn push(&mut self, entries: &[(u32, f32)]) {
+    pub fn push(&mut self, entries: &[(u32, f32)]) {
         if self.starts.is_empty() {
             self.starts.push(0);
         }

@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use glam::Vec3;
 use gnomon_brdf::{MAX_SHININESS, MAX_SLOPE, MIN_SLOPE, MODELS, Model, Surface};
+use gnomon_messages::quoted;
 
-use crate::error::one_line;
 use crate::{Material, MaterialId, Scene, SceneError};
 
 /// A reflectance model, and those of its parameters that are given.
@@ -113,7 +113,10 @@ fn concerning(model: Model) -> (&'static [&'static str], &'static [&'static str]
 
 impl ReflectanceSettings {
     /// A model and its parameters, `(name, values)`: one value for a number, three or one for a colour.
-    pub(crate) fn new<'a>(
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn new<'a>(
         model: Option<&str>,
         given: impl IntoIterator<Item = (&'a str, &'a [f32])>,
     ) -> Result<Self, String> {
@@ -121,7 +124,7 @@ impl ReflectanceSettings {
             None => Model::default(),
             Some(name) => gnomon_brdf::model(name).map(|entry| entry.model).ok_or_else(|| {
                 let names: Vec<_> = MODELS.iter().map(|entry| entry.name).collect();
-                format!("there is no reflectance '{}' (there are: {})", one_line(name), names.join(", "))
+                format!("there is no reflectance '{}' (there are: {})", quoted(name), names.join(", "))
             })?,
         };
         let (required, optional) = concerning(model);
@@ -134,7 +137,7 @@ impl ReflectanceSettings {
             else {
                 return Err(format!(
                     "'{}' is no parameter of {} (there are: {})",
-                    one_line(name),
+                    quoted(name),
                     model.name(),
                     [required, optional].concat().join(", ")
                 ));
@@ -223,12 +226,12 @@ impl FromStr for ReflectanceSettings {
         for part in rest.split(',').filter(|part| !part.trim().is_empty()) {
             let (name, values) = part
                 .split_once('=')
-                .ok_or_else(|| bad(format!("'{}' is not KEY=VALUE", one_line(part.trim()))))?;
+                .ok_or_else(|| bad(format!("'{}' is not KEY=VALUE", quoted(part.trim()))))?;
             let values = values
                 .split('/')
                 .map(|value| value.trim().parse::<f32>())
                 .collect::<Result<Vec<_>, _>>()
-                .map_err(|_| bad(format!("'{}' is no number", one_line(values.trim()))))?;
+                .map_err(|_| bad(format!("'{}' is no number", quoted(values.trim()))))?;
             given.push((name.trim(), values));
         }
         let given = given.iter().map(|(name, values)| (*name, values.as_slice()));
@@ -237,7 +240,7 @@ impl FromStr for ReflectanceSettings {
 }
 
 /// What is wrong with a surface that gives back more light than it gets, if it does.
-pub(crate) fn excess(surface: &Surface) -> Option<String> {
+pub fn excess(surface: &Surface) -> Option<String> {
     // glTF's base lies under its interface, which takes its share.
     if surface.model == Model::MetallicRoughness {
         return None;

@@ -175,7 +175,7 @@ impl Scene {
     }
 
     /// Adds a mesh and a root node that places it where it is.
-    pub(crate) fn push_mesh(&mut self, name: &str, mesh: Mesh) -> NodeId {
+    pub fn push_mesh(&mut self, name: &str, mesh: Mesh) -> NodeId {
         self.meshes.push(mesh);
         self.nodes.push(Node {
             name: name.to_owned(),
@@ -251,7 +251,10 @@ impl Scene {
     }
 
     /// Refuses a scene whose transforms or corners leave the range in which squares of coordinates stay finite.
-    pub(crate) fn check_extent(&self) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// What lies too far.
+    pub fn check_extent(&self) -> Result<(), String> {
         let world = self.world_from_nodes();
         if let Some(node) = world.iter().position(|affine| !affine.is_finite()) {
             return Err(format!("the transforms down to node {node} grow beyond all bounds"));

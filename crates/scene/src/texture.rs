@@ -1,7 +1,7 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec4};
-use gnomon_image::tonemap::srgb_decode;
+use gnomon_picture::tonemap::srgb_decode;
 
 use crate::{Texture, Wrap};
 

@@ -3,7 +3,7 @@
 //! Nothing here needs a GPU: all entry points are parsed and validated by naga in the tests.
 
 pub mod layout;
-mod resolve;
+mod modules;
 pub mod twin;
 
-pub use resolve::{ENTRIES, Entry, ShaderError, Slot, modules, resolve};
+pub use modules::{ENTRIES, Entry, ShaderError, Slot, modules, resolve};

@@ -1,6 +1,6 @@
 //! Rust twins of shader functions that belong to no other crate: same names, same arithmetic, compared over random inputs.
 //!
-//! BRDFs have their twins in `gnomon-brdf`, form factors in `gnomon-lights`, tone mapping in `gnomon-image`, SH in `gnomon-envmap`.
+//! BRDFs have their twins in `gnomon-brdf`, form factors in `gnomon-lights`, tone mapping in `gnomon-picture`, SH in `gnomon-envmap`.
 
 pub mod depth_moments;
 pub mod hemisphere;

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_metrics::{relative_rmse, signed_difference};
+use gnomon_picture::RgbImage;
 use gnomon_reference::{Progressive, ReferenceError, ReferenceOptions};
 use gnomon_scene::{Camera, Scene};
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gnomon_envmap::{Equirect, builtin, load};
 use gnomon_lights::{FitOptions, LightSet, fit};
 use gnomon_renderer::{PreparedLighting, RenderSettings};
-use gnomon_scene::EnvironmentSource;
+use gnomon_scene_files::EnvironmentSource;
 
 use crate::look::{EnvironmentLook, FitLook};
 use crate::{Look, Stage, StudioError};
@@ -50,7 +50,7 @@ pub fn load_environment(look: &EnvironmentLook) -> Result<(Equirect, Vec<String>
 fn no_environment(name: &str, names: &str) -> StudioError {
     StudioError::Request(format!(
         "there is no environment '{}': no such file, and the built-in ones are {names}",
-        crate::error::one_line(name)
+        gnomon_messages::quoted(name)
     ))
 }
 

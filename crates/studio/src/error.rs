@@ -2,12 +2,13 @@ use std::io;
 use std::path::PathBuf;
 
 use gnomon_envmap::EnvMapError;
-use gnomon_image::ImageError;
 use gnomon_lights::FitError;
 use gnomon_metrics::MetricsError;
+use gnomon_picture::ImageError;
 use gnomon_reference::ReferenceError;
 use gnomon_renderer::RenderError;
 use gnomon_scene::SceneError;
+use gnomon_scene_files::SceneFileError;
 
 /// Why something did not come about. Each is one line that names who is at fault and, where there is one, the way out.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +35,9 @@ pub enum StudioError {
     /// The scene cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The scene's file cannot be used.
+    #[error(transparent)]
+    SceneFile(#[from] SceneFileError),
     /// The environment cannot be used.
     #[error(transparent)]
     Environment(#[from] EnvMapError),
@@ -60,11 +64,10 @@ pub enum StudioError {
 impl StudioError {
     /// A name that stands for nothing.
     pub(crate) fn unknown(what: &str, name: &str, known: &[&str]) -> Self {
-        Self::Request(format!("unknown {what} `{}`; choose one of: {}", one_line(name), known.join(", ")))
+        Self::Request(format!(
+            "unknown {what} `{}`; choose one of: {}",
+            gnomon_messages::quoted(name),
+            known.join(", ")
+        ))
     }
-}
-
-/// Text of a user on one line.
-pub(crate) fn one_line(text: &str) -> String {
-    text.split(|c: char| c.is_whitespace() || c.is_control()).collect::<Vec<_>>().join(" ")
 }

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use gnomon_brdf::Surface;
 use gnomon_envmap::Projection;
-use gnomon_image::tonemap::ToneMapping;
 use gnomon_lights::FitOptions;
 use gnomon_lights::fit::{by_name, sampler_by_name};
+use gnomon_picture::tonemap::ToneMapping;
 use gnomon_renderer::shadow::{ConvolutionSettings, Prefilter, ShadowSettings};
 use gnomon_renderer::{RenderSettings, ShadowSizing};
-use gnomon_scene::{Camera, EnvironmentSource, Ground, ReflectanceSettings};
+use gnomon_scene::{Camera, Ground, ReflectanceSettings};
+use gnomon_scene_files::EnvironmentSource;
 use serde::{Deserialize, Serialize};
 
 use crate::StudioError;

@@ -44,7 +44,7 @@ fn clip_index(scene: &Scene, name: &str) -> Result<usize, StudioError> {
         if scene.animations.is_empty() {
             return StudioError::Request(format!(
                 "there is no clip '{}': the scene has none",
-                crate::error::one_line(name)
+                gnomon_messages::quoted(name)
             ));
         }
         let names: Vec<_> = scene.animations.iter().map(|clip| clip.name.as_str()).collect();

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use gnomon_scene::{
-    EnvironmentSource, Ground, LoadOptions, LoadedScene, ReflectanceSettings, Scene, builtin, load,
-    read_sections,
-};
+use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
+use gnomon_scene_files::{EnvironmentSource, LoadOptions, LoadedScene, load, read_sections};
 use serde::Deserialize;
 
 use crate::look::{AnimationLook, CameraLook, DisplayLook, FitLook, RenderLook};

@@ -3,8 +3,9 @@
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use gnomon_image::atomic;
-use gnomon_scene::{Camera, EnvironmentSource, Ground};
+use gnomon_picture::atomic;
+use gnomon_scene::{Camera, Ground};
+use gnomon_scene_files::EnvironmentSource;
 use serde::Serialize;
 use toml::{Table, Value};
 
@@ -144,7 +145,7 @@ fn read_tables(path: &Path, folder: &Path) -> Result<Table, StudioError> {
         .map_err(|source| StudioError::Read { path: path.to_owned(), source })?;
     let mut tables: Table =
         text.trim_start_matches('\u{feff}').parse().map_err(|error: toml::de::Error| {
-            let words = crate::error::one_line(error.message());
+            let words = gnomon_messages::quoted(error.message());
             StudioError::Request(format!("{} is no scene file any more: {words}", path.display()))
         })?;
     let own = path.parent().unwrap_or(Path::new(""));

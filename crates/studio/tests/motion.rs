@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_metrics::relative_rmse;
-use gnomon_metrics::tolerances::ROTATED_TEXELS_RMSE;
+use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, render};
 use gnomon_renderer::{Gpu, GpuOptions};
 use gnomon_scene::{Bounds, Ground, Projection};
 use gnomon_studio::{Look, Project, Sequence, Stage, Studio, Timeline, Update, environment_named};
+use gnomon_testing::tolerances::ROTATED_TEXELS_RMSE;
 
 const SIZE: [u32; 2] = [48, 36];
 

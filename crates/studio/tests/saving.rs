@@ -170,7 +170,7 @@ fn a_failed_save_leaves_the_file_as_it_was() {
 /// The tables of the scene format's description tell the defaults that are in force.
 #[test]
 fn the_descriptions_defaults_are_those_in_force() {
-    let lines: Vec<&str> = include_str!("../../scene/SCENE_FORMAT.md").lines().collect();
+    let lines: Vec<&str> = include_str!("../../scene-files/SCENE_FORMAT.md").lines().collect();
     let look = Look::default();
     let tables = [
         ("fit", toml::Table::try_from(&look.fit).unwrap()),

@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use gnomon_brdf::Surface;
-use gnomon_image::RgbImage;
-use gnomon_metrics::tolerances::GPU_RELATIVE_RMSE;
+use gnomon_picture::RgbImage;
 use gnomon_renderer::{Gpu, GpuOptions, RenderError, RenderSettings};
-use gnomon_scene::{Camera, EnvironmentSource, Ground};
+use gnomon_scene::{Camera, Ground};
+use gnomon_scene_files::EnvironmentSource;
 use gnomon_studio::{
     CameraLook, Look, Project, SceneSource, Stage, Studio, StudioError, Update, environment_named,
 };
+use gnomon_testing::tolerances::GPU_RELATIVE_RMSE;
 
 const SIZE: [u32; 2] = [96, 72];
 

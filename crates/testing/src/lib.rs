@@ -1,4 +1,9 @@
-//! Test support shared by every crate: where the external data lies, and skipping that cannot be mistaken for passing.
+//! Test support shared by every crate: every tolerance of the project, where the external data lies, and skipping that cannot be mistaken
+//! for passing; runs of the real binaries.
+#![allow(clippy::panic, reason = "helpers of tests fail the test")]
+
+pub mod command;
+pub mod tolerances;
 
 use std::path::PathBuf;
 

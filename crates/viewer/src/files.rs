@@ -14,7 +14,7 @@ pub enum FileKind {
 /// Tells by the name. Whatever is no picture is tried as a scene, whose loader then says what it cannot read.
 pub fn kind_of(path: &Path) -> FileKind {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let mut formats = gnomon_image::formats().iter();
+    let mut formats = gnomon_picture::formats().iter();
     match formats.any(|format| format.extensions.contains(&extension.as_str())) {
         true => FileKind::Environment,
         false => FileKind::Scene,

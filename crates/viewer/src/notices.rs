@@ -29,8 +29,6 @@ pub struct Notice {
 const SHOWN_FOR: Duration = Duration::from_secs(6);
 /// Most lines; the oldest go first, errors last.
 const MOST: usize = 8;
-/// Longest line in characters: file names and parsers' words can be of any length.
-const LONGEST: usize = 400;
 
 /// The lines on display, oldest first.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +37,7 @@ pub struct Notices(Vec<Notice>);
 impl Notices {
     /// Adds a line; one that is there already is counted instead.
     pub fn add(&mut self, level: Level, text: &str) {
-        let text = one_line(text);
+        let text = gnomon_messages::quoted(text);
         if let Some(same) = self.0.iter_mut().find(|notice| notice.text == text && notice.level == level) {
             same.count = same.count.saturating_add(1);
             same.since = Instant::now();
@@ -54,16 +52,7 @@ impl Notices {
 
     /// Adds an error with all its causes.
     pub fn error(&mut self, error: &dyn std::error::Error) {
-        let mut text = error.to_string();
-        let mut cause = error.source();
-        while let Some(error) = cause {
-            let words = error.to_string();
-            if !text.contains(&words) {
-                text = format!("{text}: {words}");
-            }
-            cause = error.source();
-        }
-        self.add(Level::Error, &text);
+        self.add(Level::Error, &gnomon_messages::with_causes(error));
     }
 
     /// The lines.
@@ -87,15 +76,6 @@ impl Notices {
     pub fn expire(&mut self) -> bool {
         self.0.retain(|notice| notice.level != Level::Done || notice.since.elapsed() < SHOWN_FOR);
         self.0.iter().any(|notice| notice.level == Level::Done)
-    }
-}
-
-fn one_line(text: &str) -> String {
-    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
-    let line = words.collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}...", &line[..end]),
-        None => line,
     }
 }
 

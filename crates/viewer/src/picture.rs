@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use eframe::egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use eframe::egui_wgpu::RenderState;
-use gnomon_image::RgbImage;
-use gnomon_image::ldr::srgb8;
-use gnomon_image::tonemap::tone_mapped;
+use gnomon_picture::RgbImage;
+use gnomon_picture::ldr::srgb8;
+use gnomon_picture::tonemap::tone_mapped;
 use gnomon_renderer::{PassTiming, wgpu};
 use gnomon_studio::{Studio, StudioError};
 

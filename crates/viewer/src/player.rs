@@ -10,8 +10,8 @@ use eframe::egui::{
     RawInput, TouchPhase, Vec2, ViewportCommand,
 };
 use glam::Vec3;
-use gnomon_image::RgbImage;
-use gnomon_image::tonemap::srgb_decode;
+use gnomon_picture::RgbImage;
+use gnomon_picture::tonemap::srgb_decode;
 
 use crate::notices::{Level, Notices};
 use crate::script::{ScriptError, Step};
@@ -308,7 +308,7 @@ impl Player {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
         }
-        gnomon_image::write(path, &RgbImage::from_fn(width, height, linear))
+        gnomon_picture::write(path, &RgbImage::from_fn(width, height, linear))
             .map_err(|error| error.to_string())?;
         Ok(true)
     }

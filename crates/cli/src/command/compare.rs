@@ -1,16 +1,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gnomon::image::{Decoded, read, read_mask};
 use gnomon::metrics::{
     Comparison, Exposure, Mask, Region, compare_displayed, flip_difference, signed_difference,
 };
+use gnomon::picture::{Decoded, read, read_mask};
+use gnomon_terminal::{Terminal, print};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::error::CliError;
 use crate::output;
-use crate::terminal::{Terminal, print};
 
 /// Say how far a picture is from a reference
 ///
@@ -102,21 +102,21 @@ pub fn run(args: &CompareArgs, terminal: Terminal) -> Result<(), CliError> {
         regions.insert(region.name.clone(), figures);
     }
     if let Some(path) = &args.difference {
-        gnomon::image::write(path, &flip_difference(&picture, &reference, shown)?)?;
+        gnomon::picture::write(path, &flip_difference(&picture, &reference, shown)?)?;
     }
     if let Some(path) = &args.signed_difference {
         let mean = comparison.reference_mean.iter().sum::<f64>() / 3.0;
         let scale = if mean > 0.0 { mean as f32 } else { 1.0 };
-        gnomon::image::write(path, &signed_difference(&picture, &reference, scale)?)?;
+        gnomon::picture::write(path, &signed_difference(&picture, &reference, scale)?)?;
     }
     drop(spinner);
-    print(&output::json(&Report {
+    Ok(print(&output::json(&Report {
         picture: &args.picture,
         reference: &args.reference,
         mask: args.mask.as_deref(),
         comparison,
         regions,
-    }))
+    }))?)
 }
 
 fn load(path: &Path, terminal: Terminal) -> Result<Decoded, CliError> {

@@ -3,11 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 use gnomon::lights::{FitOptions, fit, preview};
 use gnomon::studio::FitLook;
+use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
 use crate::options::{FitArgs, load_environment, projection};
 use crate::output;
-use crate::terminal::{Terminal, print};
 
 /// Take an environment apart into area lights and an ambient rest
 ///
@@ -81,11 +81,11 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     let lights = method.fit(&environment)?;
     drop(spinner);
     if let Some(path) = &args.residual {
-        gnomon::image::write(path, lights.residual.radiance())?;
+        gnomon::picture::write(path, lights.residual.radiance())?;
     }
     if let Some(path) = &args.preview {
         let width = PREVIEW_WIDTH.max(environment.width().min(2 * PREVIEW_WIDTH));
-        gnomon::image::write(path, &preview(&environment, &lights, width))?;
+        gnomon::picture::write(path, &preview(&environment, &lights, width))?;
     }
     match &args.output {
         Some(path) => {
@@ -98,6 +98,6 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
             ));
             Ok(())
         }
-        None => print(&lights.to_json()),
+        None => Ok(print(&lights.to_json())?),
     }
 }

@@ -1,19 +1,18 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gnomon::image::RgbImage;
-use gnomon::image::tonemap::{ToneMapping, tone_mapped};
 use gnomon::lights::preview;
 use gnomon::metrics::{Exposure, compare, flip_difference, signed_difference};
+use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
+use gnomon::picture::{ContactSheet, Panel, RgbImage};
 use gnomon::reference::{ReferenceOptions, render};
 use gnomon::renderer::{Gpu, GpuOptions};
-use gnomon::report::{ContactSheet, Panel};
 use gnomon::studio::{Look, Project, Studio, environment_named};
+use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
 use crate::options::{GpuArgs, stage};
 use crate::output;
-use crate::terminal::{Terminal, print};
 
 /// Show what Gnomon does: a built-in scene, drawn, ray-traced and compared
 ///
@@ -96,18 +95,18 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
     ];
     let display = (0.0, ToneMapping::default());
     let file = |name: &str| args.output.join(name);
-    gnomon::image::write(file("sheet.png"), &sheet.to_image())?;
+    gnomon::picture::write(file("sheet.png"), &sheet.to_image())?;
     output::write_radiance(&file("gpu.exr"), &picture, display)?;
     output::write_radiance(&file("reference.exr"), reference, display)?;
     output::write_text(&file("comparison.json"), &(output::json(&comparison) + "\n"))?;
-    print(&format!(
+    Ok(print(&format!(
         "relative RMSE {:.4} (the reference's own noise is {noise:.4} of it), bias {:+.4}, FLIP weighted median {:.4}, PSNR {:.1} dB\n{}",
         comparison.relative_rmse,
         comparison.relative_bias,
         comparison.flip.weighted_median,
         comparison.psnr,
         file("sheet.png").display()
-    ))
+    ))?)
 }
 
 fn channel_mean(picture: &RgbImage) -> f64 {

@@ -1,11 +1,11 @@
 use clap::Args;
 use gnomon::renderer::composite::COMPOSITINGS;
 use gnomon::renderer::{AdapterSummary, list_adapters};
+use gnomon_terminal::print;
 use serde_json::json;
 
 use crate::error::CliError;
 use crate::output;
-use crate::terminal::print;
 
 /// List graphics adapters with their limits, and every format, fit and built-in
 #[derive(Args, Debug)]
@@ -27,7 +27,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
         for (name, entries) in lists {
             document[name.replace(' ', "_")] = json!(entries);
         }
-        return print(&output::json(&document));
+        return Ok(print(&output::json(&document))?);
     }
     let mut text = format!("gnomon {}\n\nadapters, best first\n", env!("CARGO_PKG_VERSION"));
     if adapters.is_empty() {
@@ -43,7 +43,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
             text += &format!("  {entry}\n");
         }
     }
-    print(&text)
+    Ok(print(&text)?)
 }
 
 fn describe(adapter: &AdapterSummary) -> String {
@@ -62,7 +62,7 @@ fn lists() -> Vec<(&'static str, Vec<String>)> {
     vec![
         (
             "picture formats",
-            gnomon::image::formats()
+            gnomon::picture::formats()
                 .iter()
                 .map(|format| {
                     let access = if format.writable { "read and write" } else { "read" };
@@ -72,7 +72,7 @@ fn lists() -> Vec<(&'static str, Vec<String>)> {
         ),
         (
             "scene formats",
-            gnomon::scene::formats()
+            gnomon::scene_files::formats()
                 .iter()
                 .map(|format| format!("{} ({})", format.name, extensions(format.extensions)))
                 .collect(),

@@ -1,6 +1,5 @@
 //! One file a command: its arguments, and what they mean.
 
-pub mod bench;
 pub mod compare;
 pub mod decompose;
 pub mod demo;

@@ -2,12 +2,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use gnomon::reference::{ReferenceOptions, render};
+use gnomon_terminal::Terminal;
 
 use super::sequence;
 use crate::error::CliError;
 use crate::options::{InputArgs, SequenceArgs, stage};
 use crate::output;
-use crate::terminal::Terminal;
 
 /// Ray-trace the truth on the CPU
 ///
@@ -73,7 +73,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     let display = (stage.exposure(), stage.look().display.tone_mapping()?);
     output::write_radiance(&args.output, &estimate.mean, display)?;
     if let Some(path) = &args.variance {
-        gnomon::image::write(path, &estimate.variance)?;
+        gnomon::picture::write(path, &estimate.variance)?;
     }
     Ok(())
 }

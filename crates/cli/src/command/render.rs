@@ -2,9 +2,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use gnomon::image::tonemap::ToneMapping;
+use gnomon::picture::tonemap::ToneMapping;
 use gnomon::renderer::{Gpu, GpuOptions, PassTiming};
 use gnomon::studio::Studio;
+use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
 
 use super::level_of_detail::{self, LevelOfDetailArgs};
@@ -12,7 +13,6 @@ use super::sequence;
 use crate::error::CliError;
 use crate::options::{GpuArgs, InputArgs, SequenceArgs, stage};
 use crate::output;
-use crate::terminal::Terminal;
 
 /// Draw a scene under an environment on the GPU, soft shadows included
 ///

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use gnomon::image::RgbImage;
-use gnomon::image::tonemap::{ToneMapping, tone_mapped};
+use gnomon::picture::RgbImage;
+use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::reference::{self, ReferenceOptions};
 use gnomon::renderer::{Gpu, GpuOptions};
 use gnomon::studio::{Film, FrameFiles, Look, Sequence, SequenceRun, Stage, Studio};
+use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
 
 use crate::error::CliError;
 use crate::options::SequenceArgs;
 use crate::output;
-use crate::terminal::Terminal;
 
 /// Draws a sequence on the GPU, and saves its scene where that is asked for, as soon as all is known to be fit for it.
 ///

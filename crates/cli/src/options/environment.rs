@@ -1,8 +1,8 @@
 use gnomon::envmap::{Equirect, Projection, builtin};
 use gnomon::studio::{self, EnvironmentLook, environment_named};
+use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
-use crate::terminal::Terminal;
 
 /// Reads or makes the environment that the command line names, and turns it about +y [degrees]. What had to be repaired is told as
 /// warnings.

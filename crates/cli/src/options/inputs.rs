@@ -1,12 +1,15 @@
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use gnomon::envmap::Projection;
 use gnomon::scene::{Camera, Ground, ReflectanceSettings};
+use gnomon::scene_files::read_camera;
 use gnomon::studio::{CameraLook, Look, Project, Stage, environment_named};
+use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
 use crate::options::environment::builtin_names;
 use crate::options::{Size, finite, projection, stops, tone_mapping};
-use crate::terminal::Terminal;
 
 /// What is seen, under which light, from where.
 #[derive(Args, Debug)]
@@ -117,7 +120,7 @@ impl InputArgs {
             let is_named = project.scene.cameras.iter().any(|camera| camera.name == *text);
             look.camera = match is_named {
                 true => CameraLook::Named(text.clone()),
-                false => CameraLook::Free(Camera::from_argument(text)?),
+                false => CameraLook::Free(camera_named(text)?),
             };
         }
         Ok(project)
@@ -132,4 +135,10 @@ pub fn stage(project: Project, terminal: Terminal) -> Result<Stage, CliError> {
     let mut stage = Stage::new(project)?;
     stage.take_warnings().iter().for_each(|warning| terminal.warn(warning));
     Ok(stage)
+}
+
+/// The camera that a user describes, `eye=x,y,z;target=x,y,z;fov=degrees` (horizontal), or else a camera file by its path.
+fn camera_named(text: &str) -> Result<Camera, CliError> {
+    let path = Path::new(text);
+    Ok(if text.contains('=') && !path.exists() { text.parse()? } else { read_camera(path)? })
 }

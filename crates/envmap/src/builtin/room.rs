@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use rayon::prelude::*;
 
 use crate::Equirect;

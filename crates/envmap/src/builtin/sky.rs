@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use rayon::prelude::*;
 
 use crate::Equirect;
@@ -165,7 +165,7 @@ impl Daylight {
         };
         let (luminance, x, y) = (relative(0), relative(1), relative(2));
         let xyz = Vec3::new(x / y, 1.0, (1.0 - x - y) / y) * luminance.max(0.0);
-        gnomon_image::rec709_from_xyz(xyz / UNIT).max(Vec3::ZERO)
+        gnomon_picture::rec709_from_xyz(xyz / UNIT).max(Vec3::ZERO)
     }
 
     /// Radiance of the ground under this sky.

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use rayon::prelude::*;
 
 use super::{Entry, Projection, Unfolded};

@@ -1,5 +1,5 @@
 use glam::Vec3;
-use gnomon_image::{EnvironmentAttribute, RgbImage};
+use gnomon_picture::{EnvironmentAttribute, RgbImage};
 
 use super::{Entry, Projection, Unfolded};
 use crate::Equirect;

@@ -6,7 +6,7 @@ mod equirect;
 mod six_faces;
 
 use glam::Vec3;
-use gnomon_image::{EnvironmentAttribute, RgbImage};
+use gnomon_picture::{EnvironmentAttribute, RgbImage};
 
 use crate::Equirect;
 use crate::grid::Sampling;

@@ -1,5 +1,5 @@
 use glam::Vec3;
-use gnomon_image::EnvironmentAttribute;
+use gnomon_picture::EnvironmentAttribute;
 
 use super::{Entry, Projection, Unfolded};
 use crate::Equirect;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 
 /// Every map of the test data that is an environment, except those meant to be odd.
 #[allow(dead_code, reason = "each test file is a crate of its own")]

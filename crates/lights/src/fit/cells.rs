@@ -304,7 +304,7 @@ mod tests {
     use std::f32::consts::{FRAC_PI_4, PI, TAU};
 
     use glam::Vec3;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
     use crate::LightShape;

@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3, Vec2};
 use gnomon_envmap::{CubeMap, Equirect};
-use gnomon_image::LUMINANCE;
+use gnomon_picture::LUMINANCE;
 use rayon::prelude::*;
 
 use crate::DistantLight;
@@ -242,14 +242,14 @@ fn azimuths(count: usize) -> Vec<[f64; 2]> {
 }
 
 /// Luminance of linear RGB in double precision.
-pub(crate) fn luminance(rgb: DVec3) -> f64 {
+pub(super) fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(LUMINANCE.as_dvec3())
 }
 
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
 

@@ -110,7 +110,7 @@ pub(super) fn luminous(faces: &Faces, face: usize) -> Vec<f64> {
 mod tests {
     use glam::{DVec3, Vec3};
     use gnomon_envmap::Equirect;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
 

@@ -21,7 +21,6 @@ use serde_json::{Map, Value};
 pub use cells::cells;
 pub use disks::Disks;
 pub use error::FitError;
-pub(crate) use faces::luminance;
 pub use options::{FitOptions, MAX_LIGHTS};
 pub use partition::Partition;
 pub use rectangles::{Outline, Rectangles};

@@ -274,7 +274,7 @@ mod tests {
 
     use glam::Vec3;
     use gnomon_envmap::Equirect;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::super::cells::divided;
     use super::super::{FitOptions, by_name};

@@ -3,7 +3,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use gnomon_envmap::Equirect;
-use gnomon_image::LUMINANCE;
+use gnomon_picture::LUMINANCE;
 
 /// Luminous flux on an equirect grid, with prefix sums along the rows: the flux inside a cone is one interval a row.
 pub(super) struct SphereGrid {
@@ -222,7 +222,7 @@ fn add_interval(cells: &mut [f64], from: f64, to: f64, weight: f64) {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
 

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet, LightShape};
+use gnomon_picture::RgbImage;
 
 /// Largest error of any channel's flux, relative to that channel's flux in the map (summed here, texel by texel).
 pub fn flux_error(map: &Equirect, set: &LightSet) -> f64 {

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{Affine3A, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Projection, Scene};
 
 /// A scene of meshes, each with its surface, placed where they are.
@@ -70,5 +70,5 @@ pub fn downward_strip(height: f32, width: f32) -> Camera {
 }
 
 pub fn read_environment(path: &Path) -> Equirect {
-    Equirect::new(gnomon_image::read(path).unwrap().image)
+    Equirect::new(gnomon_picture::read(path).unwrap().image)
 }

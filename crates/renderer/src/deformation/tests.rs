@@ -1,10 +1,9 @@
 //! Vertices that the GPU deforms against those of the CPU, read back.
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
-use gnomon_metrics::tolerances::GPU_POSE_ERROR;
-use gnomon_scene::{
-    Influences, LoadOptions, Mesh, MeshId, MorphTarget, Node, NodeId, Scene, Skin, SkinId, load,
-};
+use gnomon_scene::{Influences, Mesh, MeshId, MorphTarget, Node, NodeId, Scene, Skin, SkinId};
+use gnomon_scene_files::{LoadOptions, load};
+use gnomon_testing::tolerances::GPU_POSE_ERROR;
 
 use crate::Gpu;
 use crate::geometry::{Geometry, TransformPass, by_material};

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use bytemuck::pod_collect_to_vec;
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use gnomon_scene::Camera;
 
 use super::{Frame, Renderer};

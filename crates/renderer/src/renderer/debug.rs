@@ -1,6 +1,6 @@
 //! Debug views of a live renderer.
 
-use gnomon_image::tonemap::exposure_scale;
+use gnomon_picture::tonemap::exposure_scale;
 use gnomon_scene::{Bounds, Camera};
 
 use super::{Lit, Renderer, Target};

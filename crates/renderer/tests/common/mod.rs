@@ -9,8 +9,8 @@ pub mod edge;
 
 use glam::{DVec3, Vec2, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_image::RgbImage;
 use gnomon_lights::{DistantLight, LightSet};
+use gnomon_picture::RgbImage;
 use gnomon_renderer::{Frame, Gpu, GpuOptions, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Scene};
 

@@ -92,7 +92,7 @@ fn lattice(x: i32, z: i32, octave: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load::triangle_normal;
+    use crate::triangle_normal;
 
     #[test]
     fn the_terrain_is_mountainous_and_faces_up() {

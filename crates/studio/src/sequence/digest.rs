@@ -1,7 +1,7 @@
 use std::fmt::{self, Write};
 
 use bytemuck::cast_slice;
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 use gnomon_scene::Scene;
 
 /// A 64-bit FNV-1a hash (Fowler, Noll and Vo): tells what has changed by accident, not what was forged.

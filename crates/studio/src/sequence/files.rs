@@ -7,7 +7,7 @@ use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use gnomon_image::atomic;
+use gnomon_picture::atomic;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
-use gnomon_image::RgbImage;
-use gnomon_image::ldr::srgb8;
+use gnomon_picture::RgbImage;
+use gnomon_picture::ldr::srgb8;
 
 use crate::StudioError;
 
@@ -104,7 +104,7 @@ impl Film {
         self.frames = None;
         let _ = self.ffmpeg.wait();
         let words = self.words.take().and_then(|words| words.join().ok()).unwrap_or_default();
-        let words = crate::error::one_line(words.lines().last().unwrap_or(how));
+        let words = gnomon_messages::one_line(words.lines().last().unwrap_or(how));
         StudioError::Request(format!("ffmpeg could not write {}: {words}", self.path.display()))
     }
 }

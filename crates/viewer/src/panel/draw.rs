@@ -1,6 +1,6 @@
 //! What is shown, and the techniques that draw it.
 
-use gnomon_image::tonemap::ToneMapping;
+use gnomon_picture::tonemap::ToneMapping;
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
 use gnomon_renderer::{ambient, composite, shadow, unshadowed};
 use gnomon_studio::{Look, PrefilterName, SizingName};

@@ -1,7 +1,7 @@
 //! Environment and lights.
 
 use gnomon_lights::fit;
-use gnomon_scene::EnvironmentSource;
+use gnomon_scene_files::EnvironmentSource;
 use gnomon_studio::Look;
 
 use super::fields::Fields;

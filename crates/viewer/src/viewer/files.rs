@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gnomon_scene::EnvironmentSource;
+use gnomon_scene_files::EnvironmentSource;
 use gnomon_studio::{EnvironmentLook, SceneSource, StudioError};
 
 use super::Viewer;
@@ -49,10 +49,10 @@ impl Viewer {
                 true => frame.radiance,
                 false => {
                     let rule = studio.look().display.tone_mapping()?;
-                    gnomon_image::tonemap::tone_mapped(&frame.radiance, rule, studio.stage().exposure())
+                    gnomon_picture::tonemap::tone_mapped(&frame.radiance, rule, studio.stage().exposure())
                 }
             };
-            Ok(gnomon_image::write(&path, &picture)?)
+            Ok(gnomon_picture::write(&path, &picture)?)
         })();
         self.picture.touch();
         self.tell_saved(&path, saved);

@@ -286,7 +286,7 @@ impl<'a> Spread<'a> {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use gnomon_image::RgbImage;
+    use gnomon_picture::RgbImage;
 
     use super::*;
 

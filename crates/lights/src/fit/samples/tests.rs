@@ -1,5 +1,5 @@
 use glam::{DVec3, Vec3};
-use gnomon_image::RgbImage;
+use gnomon_picture::RgbImage;
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Filtered images and average blocker depths against sums over the same map on the CPU.
 
-use gnomon_metrics::tolerances;
 use gnomon_shaders::twin::series;
+use gnomon_testing::tolerances;
 
 use super::*;
 use crate::twins::gpu_or_skip;

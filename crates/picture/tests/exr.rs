@@ -1,0 +1,237 @@
+//! OpenEXR files: those of other programs, damaged ones, and our own.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+use gnomon_picture::{DecodeError, EnvironmentAttribute, RgbImage, decode, exr, read};
+use gnomon_testing::data_file;
+use proptest::prelude::*;
+
+fn files(folder: &str) -> Vec<PathBuf> {
+    let Some(folder) = data_file(folder) else { return Vec::new() };
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// Most memory that this process ever held [bytes], where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(line.split_ascii_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}
+
+#[test]
+fn every_damaged_file_ends_in_a_picture_or_one_line_of_error() {
+    let mut opened = 0;
+    for path in files("bad_inputs/exr") {
+        let started = std::time::Instant::now();
+        if let Err(error) = read(&path) {
+            assert_eq!(error.to_string().lines().count(), 1, "{error}");
+        }
+        assert!(started.elapsed().as_secs() < 10, "{}", path.display());
+        opened += 1;
+    }
+    assert!(opened == 0 || opened > 90, "{opened}");
+    assert!(peak_memory().is_none_or(|bytes| bytes < 2 << 30));
+}
+
+#[test]
+fn every_environment_of_the_test_data_is_read() {
+    for path in files("env").iter().filter(|path| path.extension().is_some_and(|e| e == "exr")) {
+        let decoded = read(path).unwrap_or_else(|error| panic!("{error}"));
+        let name = path.file_name().unwrap().to_string_lossy();
+        let expected = match name.as_ref() {
+            "openexr_KernerEnvCube.exr" => Some((256, 1536, EnvironmentAttribute::Cube)),
+            "openexr_OrientationCube.exr" => Some((512, 3072, EnvironmentAttribute::Cube)),
+            "openexr_OrientationLatLong.exr" => Some((1024, 512, EnvironmentAttribute::LatLong)),
+            _ => continue,
+        };
+        let found = decoded.environment.map(|kind| (decoded.image.width(), decoded.image.height(), kind));
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
+#[test]
+fn dwab_matches_its_photograph() {
+    let Some(path) = data_file("env/cc0_pmndrs_sky_dwab.exr") else { return };
+    let image = read(path).unwrap().image;
+    assert_eq!((image.width(), image.height()), (512, 256));
+    let mean = |rows: std::ops::Range<u32>| {
+        let count = rows.len() as f32 * image.width() as f32;
+        rows.flat_map(|y| (0..image.width()).map(move |x| (x, y))).map(|(x, y)| image.get(x, y)).sum::<Vec3>()
+            / count
+    };
+    // A sky: blue above, and brighter than the ground.
+    let (above, below) = (mean(0..100), mean(160..256));
+    assert!(above.is_finite() && above.z > above.x && above.y > below.y, "{above} {below}");
+}
+
+#[test]
+fn nan_and_infinity_arrive_as_they_are() {
+    let Some(path) = data_file("env/openexr_BrightRingsNanInf.exr") else { return };
+    let image = read(path).unwrap().image;
+    let channels = || image.texels().iter().flat_map(|texel| texel.to_array());
+    assert!(channels().any(f32::is_nan) && channels().any(f32::is_infinite));
+    let Some(path) = data_file("env/openexr_AllHalfValues.exr") else { return };
+    // 65,536 codes of a half: 2 x 1023 NaN and 2 infinities for each channel.
+    let image = read(path).unwrap().image;
+    assert_eq!(image.texels().len(), 65_536);
+    assert_eq!(image.texels().iter().filter(|texel| texel.x.is_nan()).count(), 2046);
+    assert_eq!(image.texels().iter().filter(|texel| texel.x.is_infinite()).count(), 2);
+}
+
+#[test]
+fn the_reference_renders_have_their_published_mean() {
+    let Some(json) = data_file("reference/renders.json") else { return };
+    let text = std::fs::read_to_string(&json).unwrap();
+    for (name, mean) in [
+        ("three_boxes_grace.exr", [1.2971, 0.95239, 1.51361]),
+        ("bunny_flat_stpeters.exr", [0.60753, 0.42896, 0.36131]),
+    ] {
+        assert!(text.contains(name));
+        let image = read(json.with_file_name(name)).unwrap().image;
+        let ours = image.texels().iter().sum::<Vec3>() / image.texels().len() as f32;
+        assert!((ours / Vec3::from_array(mean) - 1.0).abs().max_element() < 1e-3, "{name}: {ours}");
+    }
+}
+
+/// A file with channels and windows of our choice.
+fn with_channels(names: &[&str], offset: i32, display: (usize, usize)) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let size = (4, 2);
+    let channel = |(index, name): (usize, &&str)| {
+        let values = (0..8).map(|i| (10 * index + i) as f32).collect();
+        AnyChannel::new(*name, FlatSamples::F32(values))
+    };
+    let channels = AnyChannels::sort(names.iter().enumerate().map(channel).collect());
+    let attributes = LayerAttributes::named("layer").with_position(Vec2(offset, 0));
+    let layer = Layer::new(size, attributes, Encoding::UNCOMPRESSED, channels);
+    let window = IntegerBounds::from_dimensions(Vec2(display.0, display.1));
+    let image = Image::empty(ImageAttributes::new(window)).with_layer(layer);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+#[test]
+fn channels_are_found_by_name_and_single_ones_are_grey() {
+    let image = |names: &[&str]| decode(&with_channels(names, 0, (4, 2))).unwrap().image;
+    assert_eq!(image(&["A", "B", "G", "R"]).get(1, 0), Vec3::new(31.0, 21.0, 11.0));
+    assert_eq!(image(&["Y"]).get(3, 1), Vec3::splat(7.0));
+    assert_eq!(image(&["depth"]).get(2, 0), Vec3::splat(2.0));
+}
+
+#[test]
+fn a_cropped_picture_lies_where_its_windows_say() {
+    let image = decode(&with_channels(&["Y"], 1, (6, 3))).unwrap().image;
+    let row = |y: u32| (0..6).map(|x| image.get(x, y).x).collect::<Vec<_>>();
+    assert_eq!((image.width(), image.height()), (6, 3));
+    assert_eq!(row(0), [0.0, 0.0, 1.0, 2.0, 3.0, 0.0]);
+    assert_eq!(row(2), [0.0; 6]);
+    // A data window larger than the display window is cut.
+    let image = decode(&with_channels(&["Y"], -1, (2, 1))).unwrap().image;
+    assert_eq!((image.get(0, 0).x, image.get(1, 0).x), (1.0, 2.0));
+}
+
+#[test]
+fn a_header_that_claims_too_much_is_refused() {
+    let sound = exr::encode(&RgbImage::filled(4, 2, Vec3::ONE)).unwrap();
+    let at =
+        sound.windows(10).position(|bytes| bytes == b"dataWindow").unwrap() + "dataWindow\0box2i\0".len() + 4;
+    // More than the limit; and more than a file of this length can hold.
+    for width in [100_000_000i32, 100_000] {
+        let mut bytes = sound.clone();
+        bytes[at + 8..at + 12].copy_from_slice(&width.to_le_bytes());
+        let outcome = decode(&bytes);
+        assert!(matches!(outcome, Err(DecodeError::TooLarge { .. })), "{:?}", outcome.err());
+    }
+    assert!(decode(&sound).is_ok());
+    assert!(exr::encode(&RgbImage::filled(0, 2, Vec3::ONE)).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn writing_loses_nothing(width in 1u32..40, height in 1u32..40, bits in any::<[u32; 7]>()) {
+        let texel = |x: u32, y: u32| {
+            let value = |k: u32| f32::from_bits(bits[((x + 3 * y + k) % 7) as usize].rotate_left(x));
+            Vec3::new(value(0), value(1), value(2))
+        };
+        let image = RgbImage::from_fn(width, height, texel);
+        let back = decode(&exr::encode(&image).unwrap()).unwrap().image;
+        let bits = |image: &RgbImage| -> Vec<[u32; 3]> {
+            image.texels().iter().map(|texel| texel.to_array().map(f32::to_bits)).collect()
+        };
+        prop_assert_eq!(bits(&back), bits(&image));
+    }
+}
+
+/// Small pictures in every compression, of halves and floats, in scanlines and tiles.
+fn every_compression() -> Vec<Vec<u8>> {
+    use ::exr::prelude::*;
+    let methods = [
+        Compression::Uncompressed,
+        Compression::RLE,
+        Compression::ZIP1,
+        Compression::ZIP16,
+        Compression::PIZ,
+        Compression::PXR24,
+        Compression::B44,
+        Compression::B44A,
+        Compression::DWAA(None),
+        Compression::DWAB(None),
+    ];
+    let mut files = Vec::new();
+    for (compression, half, tiles) in
+        methods.into_iter().flat_map(|method| [(false, false), (true, true)].map(|(a, b)| (method, a, b)))
+    {
+        let value = move |seed: usize, i: usize| ((i * (seed + 1)) % 97) as f32 * 0.37 + (i / 60) as f32;
+        let samples = |seed: usize| match half {
+            true => FlatSamples::F16((0..60 * 44).map(|i| f16::from_f32(value(seed, i))).collect()),
+            false => FlatSamples::F32((0..60 * 44).map(|i| value(seed, i)).collect()),
+        };
+        let channels = ["B", "G", "R"].iter().enumerate().map(|(i, name)| AnyChannel::new(*name, samples(i)));
+        let blocks = if tiles { Blocks::Tiles(Vec2(16, 16)) } else { Blocks::ScanLines };
+        let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+        let channels = AnyChannels::sort(channels.collect());
+        let layer = Layer::new((60, 44), LayerAttributes::default(), encoding, channels);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        files.push(bytes.into_inner());
+    }
+    files
+}
+
+#[test]
+fn no_damage_panics_or_allocates_without_bound() {
+    for sound in every_compression() {
+        let image = decode(&sound).unwrap().image;
+        // Red at (2, 1): sample 62 of the third channel; lossy methods keep it within some percent.
+        let expected = ((62 * 3) % 97) as f32 * 0.37 + 1.0;
+        assert!((image.get(2, 1).x - expected).abs() < 0.15 * expected, "{}", image.get(2, 1));
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut random = |end: usize| {
+            // Marsaglia 2003, xorshift64.
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state % end as u64) as usize
+        };
+        for _ in 0..150 {
+            let mut bytes = sound.clone();
+            for _ in 0..=random(3) {
+                let at = random(bytes.len());
+                bytes[at] = random(256) as u8;
+            }
+            if random(8) == 0 {
+                bytes.truncate(random(sound.len()));
+            }
+            if let Err(error) = decode(&bytes) {
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+            }
+        }
+    }
+    assert!(peak_memory().is_none_or(|bytes| bytes < 2 << 30));
+}

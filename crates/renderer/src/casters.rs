@@ -1,0 +1,321 @@
+//! What casts shadows: boxes around it, grounds that cast none, and simpler triangles in place of many.
+
+use std::ops::Range;
+
+use glam::{Affine3A, Vec3};
+use gnomon_lights::{DistantLight, LightShape};
+use gnomon_scene::{Bounds, SUNKEN};
+
+/// What lies so far on the other side of a plane lies in it, as a share of the longest side of the box around everything.
+const IN_PLANE: f32 = 1e-4;
+
+/// Box around some triangles of an instance, in its mesh's space.
+#[derive(Clone, Debug)]
+pub(crate) struct InstanceBox {
+    pub bounds: Bounds,
+    /// Of these triangles alone, where they lie side by side.
+    pub indices: Option<Range<u32>>,
+    /// What may be drawn in place of `indices`, the finest first.
+    pub simpler: Vec<SimplerIndices>,
+    pub instance: usize,
+    pub world_from_mesh: Affine3A,
+}
+
+/// Of coarser triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SimplerIndices {
+    /// That of [`gnomon_scene::SimplerTriangles`] [m in the mesh's space].
+    pub deviation: f32,
+    pub indices: Range<u32>,
+}
+
+impl InstanceBox {
+    /// The eight corners in world space.
+    pub fn corners(&self) -> [Vec3; 8] {
+        self.bounds.corners().map(|corner| self.world_from_mesh.transform_point3(corner))
+    }
+
+    /// Centre and unit normal of a flat box's plane in world space; the normal's sign is arbitrary.
+    fn plane(&self) -> Option<(Vec3, Vec3)> {
+        let axis = self.bounds.flat_axis()?;
+        let across = |axis: usize| self.world_from_mesh.matrix3.col(axis % 3);
+        let normal = Vec3::from(across(axis + 1).cross(across(axis + 2))).try_normalize()?;
+        Some((self.world_from_mesh.transform_point3(self.bounds.center()), normal))
+    }
+
+    /// Whether the other box, seen along this flat box's normal, lies within it.
+    fn spans(&self, other: &[Vec3; 8]) -> bool {
+        let Some(flat) = self.bounds.flat_axis() else { return false };
+        let mesh_from_world = self.world_from_mesh.inverse();
+        other.iter().all(|corner| {
+            let p = mesh_from_world.transform_point3(*corner);
+            (0..3)
+                .filter(|&axis| axis != flat)
+                .all(|axis| (self.bounds.min[axis]..=self.bounds.max[axis]).contains(&p[axis]))
+        })
+    }
+}
+
+/// The boxes of a pose in world space, as shadow maps are fitted around them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlacedBoxes {
+    pub boxes: Vec<PlacedBox>,
+    /// What is no farther from a plane lies in it [m].
+    pub tolerance: f32,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedBox {
+    pub corners: [Vec3; 8],
+    pub indices: Option<Range<u32>>,
+    pub simpler: Vec<SimplerIndices>,
+    /// Most by which lengths grow from the mesh to the world.
+    scale: f32,
+    /// Where it is flat and everything else lies on one side of it.
+    pub ground: Option<Ground>,
+}
+
+/// Plane of a flat box that has everything else on one side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ground {
+    pub center: Vec3,
+    /// Unit, of any sign.
+    pub normal: Vec3,
+    /// Whether everything else lies where the normal points to, and on the other side; both if it lies in the plane.
+    bears: [bool; 2],
+}
+
+impl Ground {
+    /// Whether everything else lies on the side to which `towards` points, or has sunk into the plane from there, which nobody sees
+    /// who looks at that side.
+    pub fn bears_towards(&self, towards: Vec3) -> bool {
+        self.bears[usize::from(self.normal.dot(towards) < 0.0)]
+    }
+
+    /// Whether it blocks no part of the light for what it bears: all of the outline lies on that side.
+    fn blocks_nothing_of(&self, light: &DistantLight) -> bool {
+        let up = self.normal * self.normal.dot(light.direction).signum();
+        let is_above = match light.shape {
+            LightShape::Disk { angular_radius } => {
+                up.dot(light.direction).clamp(-1.0, 1.0).asin() > angular_radius
+            }
+            LightShape::Rectangle { corners } => corners.iter().all(|corner| up.dot(*corner) > 0.0),
+        };
+        is_above && self.bears_towards(light.direction)
+    }
+}
+
+impl PlacedBoxes {
+    pub fn new(boxes: &[InstanceBox]) -> Self {
+        let corners: Vec<[Vec3; 8]> = boxes.iter().map(InstanceBox::corners).collect();
+        let around = Bounds::around(corners.iter().flatten().copied());
+        let tolerance = IN_PLANE * around.map_or(0.0, |around| (around.max - around.min).max_element());
+        let ground = |index: usize| {
+            let place = &boxes[index];
+            // One that is alone bears nothing.
+            let (center, normal) = place.plane().filter(|_| boxes.len() > 1)?;
+            let bears = [normal, -normal].map(|up| {
+                let mut others = corners.iter().enumerate().filter(|(other, _)| *other != index);
+                others.all(|(_, other)| {
+                    let (low, high) = heights(other, center, up);
+                    low >= -tolerance || (low >= -SUNKEN * high && place.spans(other))
+                })
+            });
+            bears.contains(&true).then_some(Ground { center, normal, bears })
+        };
+        let placed = |(index, corners): (usize, &[Vec3; 8])| PlacedBox {
+            corners: *corners,
+            indices: boxes[index].indices.clone(),
+            simpler: boxes[index].simpler.clone(),
+            scale: greatest_scale(&boxes[index].world_from_mesh),
+            ground: ground(index),
+        };
+        Self { boxes: corners.iter().enumerate().map(placed).collect(), tolerance }
+    }
+
+    /// What can cast a shadow: of all indices up to `end` and the simpler ones behind them.
+    pub fn casters(&self, wanted: &Casters<'_>, end: u32) -> DrawnCasters {
+        let blocks_nothing = |place: &PlacedBox| match (place.ground, wanted.above) {
+            (Some(ground), Some(light)) => ground.blocks_nothing_of(light),
+            _ => false,
+        };
+        let is_enough = |place: &PlacedBox, simpler: &SimplerIndices| {
+            simpler.deviation * place.scale <= wanted.deviation_world
+        };
+        let mut replaced: Vec<Range<u32>> = Vec::new();
+        let mut simpler: Vec<Range<u32>> = Vec::new();
+        let mut deviation_world = 0.0f32;
+        for place in &self.boxes {
+            let Some(own) = &place.indices else { continue };
+            if blocks_nothing(place) {
+                replaced.push(own.clone());
+            } else if let Some(found) = place.simpler.iter().take_while(|s| is_enough(place, s)).last() {
+                replaced.push(own.clone());
+                simpler.push(found.indices.clone());
+                deviation_world = deviation_world.max(found.deviation * place.scale);
+            }
+        }
+        replaced.sort_by_key(|range| range.start);
+        simpler.sort_by_key(|range| range.start);
+        let starts = std::iter::once(0).chain(replaced.iter().map(|own| own.end));
+        let ends = replaced.iter().map(|own| own.start).chain([end]);
+        let whole = starts.zip(ends).map(|(start, end)| start..end);
+        let mut indices: Vec<Range<u32>> = Vec::new();
+        for range in whole.chain(simpler).filter(|range| !range.is_empty()) {
+            match indices.last_mut() {
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => indices.push(range),
+            }
+        }
+        DrawnCasters { indices, deviation_world }
+    }
+
+    pub fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.boxes.iter().flat_map(|place| place.corners)
+    }
+}
+
+/// What a shadow map needs of the scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Casters<'a> {
+    /// Grounds of which this light shines on the side that bears everything are not drawn: a kernel that reached one below a wall would
+    /// take it for a blocker.
+    pub above: Option<&'a DistantLight>,
+    /// Simpler triangles of no more than this deviation are as good [m].
+    pub deviation_world: f32,
+}
+
+/// What a shadow map shows of the scene.
+#[derive(Clone, Debug)]
+pub(crate) struct DrawnCasters {
+    pub indices: Vec<Range<u32>>,
+    /// The greatest deviation among them [m].
+    pub deviation_world: f32,
+}
+
+/// Most by which a placement lengthens anything; a bound where it shears (Gershgorin's of the matrix times its transpose).
+fn greatest_scale(world_from_mesh: &Affine3A) -> f32 {
+    let squares = world_from_mesh.matrix3.transpose() * world_from_mesh.matrix3;
+    let sum = |row: glam::Vec3A| row.abs().element_sum();
+    sum(squares.x_axis).max(sum(squares.y_axis)).max(sum(squares.z_axis)).sqrt()
+}
+
+/// Least and greatest height of points above a plane.
+fn heights(points: &[Vec3; 8], center: Vec3, up: Vec3) -> (f32, f32) {
+    let heights = points.iter().map(|point| (*point - center).dot(up));
+    heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_flat_box_with_an_area_has_a_plane() {
+        let place = Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2);
+        let flat = |max| InstanceBox {
+            bounds: Bounds { min: Vec3::ZERO, max },
+            indices: None,
+            simpler: Vec::new(),
+            instance: 0,
+            world_from_mesh: place,
+        };
+        let (center, normal) = flat(Vec3::new(2.0, 0.0, 2.0)).plane().unwrap();
+        assert!(center.abs_diff_eq(Vec3::new(1.0, -1.0, 0.0), 1e-6) && normal.z.abs() > 0.999);
+        assert!(flat(Vec3::new(2.0, 1.0, 2.0)).plane().is_none());
+        assert!(flat(Vec3::new(2.0, 0.0, 0.0)).plane().is_none());
+        assert!(flat(Vec3::ZERO).plane().is_none());
+    }
+
+    /// An axis-aligned box at its place.
+    fn placed(min: Vec3, max: Vec3) -> InstanceBox {
+        let bounds = Bounds { min, max };
+        InstanceBox {
+            bounds,
+            indices: None,
+            simpler: Vec::new(),
+            instance: 0,
+            world_from_mesh: Affine3A::IDENTITY,
+        }
+    }
+
+    #[test]
+    fn a_ground_casts_no_shadow_of_a_light_above_it() {
+        let p = Vec3::new;
+        let ground = InstanceBox { indices: Some(6..12), ..placed(p(-4.0, 0.0, -4.0), p(4.0, 0.0, 4.0)) };
+        let model = InstanceBox { indices: None, ..placed(p(-1.0, 0.0, -1.0), p(1.0, 2.0, 1.0)) };
+        let scene = PlacedBoxes::new(&[ground.clone(), model.clone()]);
+        let of = |scene: &PlacedBoxes, towards: glam::DVec3| {
+            let light = DistantLight::disk(towards.normalize(), 0.3, glam::DVec3::ONE);
+            let drawn = scene.casters(&Casters { above: Some(&light), deviation_world: 0.0 }, 20);
+            drawn.indices.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+        };
+        let casters = |towards| of(&scene, towards);
+        let d = glam::DVec3::new;
+        assert_eq!(casters(d(0.2, 1.0, 0.0)), [(0, 6), (12, 20)]);
+        for partly_below in [d(1.0, 0.2, 0.0), d(1.0, -0.2, 0.0), d(0.2, -1.0, 0.0)] {
+            assert_eq!(casters(partly_below), [(0, 20)], "{partly_below}");
+        }
+        // Triangles that lie among others, and a ground that something hangs below, are drawn.
+        let mixed = PlacedBoxes::new(&[InstanceBox { indices: None, ..ground.clone() }, model]);
+        let hanging = PlacedBoxes::new(&[ground, placed(p(-1.0, -2.0, -1.0), p(1.0, 2.0, 1.0))]);
+        assert_eq!([&mixed, &hanging].map(|scene| of(scene, d(0.0, 1.0, 0.0))), [[(0, 20)], [(0, 20)]]);
+    }
+
+    #[test]
+    fn the_coarsest_triangles_that_are_near_enough_take_the_place_of_a_mesh() {
+        let p = Vec3::new;
+        let ground = InstanceBox { indices: Some(0..6), ..placed(p(-4.0, 0.0, -4.0), p(4.0, 0.0, 4.0)) };
+        let simpler = |deviation, indices| SimplerIndices { deviation, indices };
+        let model = InstanceBox {
+            indices: Some(6..12),
+            simpler: vec![simpler(0.01, 20..26), simpler(0.02, 26..29)],
+            world_from_mesh: Affine3A::from_scale(p(2.0, 1.0, 1.0)),
+            ..placed(p(-1.0, 0.0, -1.0), p(1.0, 2.0, 1.0))
+        };
+        let scene = PlacedBoxes::new(&[ground, model]);
+        let light = DistantLight::disk(glam::DVec3::Y, 0.3, glam::DVec3::ONE);
+        let drawn = |above, deviation_world| {
+            let drawn = scene.casters(&Casters { above, deviation_world }, 20);
+            assert!(deviation_world.is_nan() || drawn.deviation_world <= deviation_world);
+            drawn.indices.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+        };
+        // In the world the simpler ones deviate by twice as much.
+        assert_eq!(drawn(None, 0.0), [(0, 20)]);
+        assert_eq!(drawn(None, 0.0199), [(0, 20)]);
+        assert_eq!(drawn(None, 0.021), [(0, 6), (12, 26)]);
+        assert_eq!(drawn(None, 1.0), [(0, 6), (12, 20), (26, 29)]);
+        assert_eq!(drawn(Some(&light), 1.0), [(12, 20), (26, 29)]);
+        // Across the diagonal of a shear lengths grow more than along any axis.
+        let shear = Affine3A::from_mat3(glam::Mat3::from_cols(Vec3::X, p(1.0, 1.0, 0.0), Vec3::Z));
+        assert!(
+            greatest_scale(&shear) >= 1.618
+                && (greatest_scale(&Affine3A::from_rotation_x(0.7)) - 1.0).abs() < 1e-6
+        );
+        // Nothing is near enough to what is no number.
+        assert_eq!(drawn(None, f32::NAN), [(0, 20)]);
+    }
+
+    /// Whether the first of both bears the other, up and down.
+    fn bears(ground: &InstanceBox, other: InstanceBox) -> [bool; 2] {
+        let placed = PlacedBoxes::new(&[ground.clone(), other]);
+        [Vec3::Y, Vec3::NEG_Y].map(|up| placed.boxes[0].ground.is_some_and(|ground| ground.bears_towards(up)))
+    }
+
+    #[test]
+    fn a_ground_bears_what_has_sunk_into_it_a_little() {
+        let p = Vec3::new;
+        let ground = placed(p(-4.0, 0.0, -4.0), p(4.0, 0.0, 4.0));
+        let model = |depth: f32| placed(p(-1.0, -depth, -1.0), p(1.0, 2.0, 1.0));
+        assert_eq!(bears(&ground, model(0.0)), [true, false]);
+        assert_eq!(bears(&ground, model(0.2)), [true, false]);
+        assert_eq!(bears(&ground, model(0.5)), [false, false]);
+        // The other way round it hangs from a ceiling.
+        assert_eq!(bears(&ground, placed(p(-1.0, -2.0, -1.0), p(1.0, 0.2, 1.0))), [false, true]);
+        // A table top in a high room: what is lower lies beside it and is in its shadow.
+        assert_eq!(bears(&ground, placed(p(-8.0, -0.4, -8.0), p(8.0, 6.0, 8.0))), [false, false]);
+        assert_eq!(bears(&ground, placed(p(-8.0, -0.4, -8.0), p(8.0, -0.4, 8.0))), [false, true]);
+        assert_eq!(bears(&ground, placed(p(5.0, 0.0, 5.0), p(6.0, 0.0, 6.0))), [true, true]);
+        assert!(PlacedBoxes::new(&[ground]).boxes[0].ground.is_none());
+    }
+}

@@ -1,0 +1,249 @@
+//! Scene files: [`load`] reads one of any format that [`formats`] lists, [`read_camera`] a camera, [`read_sections`] what a scene file says of
+//! how it is drawn. One file a format; a new one is registered in `FORMATS`.
+
+use std::collections::HashSet;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use gnomon_scene::{Ground, Scene};
+
+use crate::error::Fault;
+
+mod camera;
+mod error;
+mod geometry;
+mod gltf;
+mod mtl;
+mod obj;
+mod ply;
+mod texture;
+mod toml;
+
+pub use camera::read_camera;
+pub use error::SceneFileError;
+pub use toml::read_sections;
+
+/// A scene format that [`load`] reads.
+#[derive(Debug)]
+pub struct Format {
+    /// Its name, as people write it.
+    pub name: &'static str,
+    /// File name extensions, lower case.
+    pub extensions: &'static [&'static str],
+    /// The ground under a scene of this format unless the user says otherwise.
+    pub default_ground: Ground,
+    /// Whether the content starts the way only this format does.
+    recognise: fn(&[u8]) -> bool,
+    read: fn(&Source, &mut Budget) -> Result<LoadedScene, Fault>,
+}
+
+static FORMATS: [Format; 4] = [
+    Format {
+        name: "glTF 2.0",
+        extensions: &["glb", "gltf"],
+        default_ground: Ground::None,
+        recognise: gltf::recognise,
+        read: gltf::read,
+    },
+    Format {
+        name: "OBJ",
+        extensions: &["obj"],
+        default_ground: Ground::Plane,
+        recognise: |_| false,
+        read: obj::read,
+    },
+    Format {
+        name: "PLY",
+        extensions: &["ply"],
+        default_ground: Ground::Plane,
+        recognise: ply::recognise,
+        read: ply::read,
+    },
+    Format {
+        name: "Gnomon scene",
+        extensions: &["toml"],
+        default_ground: Ground::None,
+        recognise: |_| false,
+        read: toml::read,
+    },
+];
+
+/// Every scene format that [`load`] reads.
+pub fn formats() -> &'static [Format] {
+    &FORMATS
+}
+
+/// What the caller decides about loading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadOptions {
+    /// Bytes that files, geometry and textures of one scene may take together; beyond it loading ends in
+    /// [`SceneFileError::TooLarge`].
+    pub memory_limit: usize,
+    /// Width over height of the picture to be made, for glTF cameras that give a vertical field of view only.
+    pub aspect: f32,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self { memory_limit: 1 << 30, aspect: 4.0 / 3.0 }
+    }
+}
+
+/// Where the environment comes from.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EnvironmentSource {
+    /// A picture file.
+    File(PathBuf),
+    /// One made by code, by its name (the envmap crate knows them).
+    Builtin(String),
+}
+
+/// The environment that a scene file brings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentSettings {
+    /// Which.
+    pub source: EnvironmentSource,
+    /// Turn about +y by the right-hand rule [degrees] (`CONVENTIONS.md`, `--env-rotation`).
+    pub rotation_degrees: f32,
+    /// Exposure of the displayed picture [stops]; `None` asks for what suits the environment.
+    pub exposure_ev: Option<f32>,
+    /// Name of the projection of the file, where its shape does not tell (the envmap crate knows them).
+    pub projection: Option<String>,
+}
+
+/// A scene with what its file says beside geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedScene {
+    /// Geometry, materials, cameras, warnings. Its ground is not added yet.
+    pub scene: Scene,
+    /// The environment, where the file names one.
+    pub environment: Option<EnvironmentSettings>,
+    /// The ground that the file asks for, or else its format's default: pass it to [`Scene::add_ground`].
+    pub ground: Ground,
+}
+
+/// Reads a scene file. The format is told by the file name's extension; where the content starts like another format,
+/// the content decides and the scene carries a warning.
+///
+/// Whatever the bytes are, this ends in a scene or one [`SceneFileError`]: in a scene, every index is in range, every
+/// coordinate is finite, and node transforms stay finite down the hierarchy.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, SceneFileError> {
+    let mut budget = Budget::new(options.memory_limit);
+    load_within(path, options, &mut budget, true)
+}
+
+/// [`load`] on what is left of a budget; `scene_files` is false inside a scene file, which may place models only.
+fn load_within(
+    path: &Path,
+    options: &LoadOptions,
+    budget: &mut Budget,
+    scene_files: bool,
+) -> Result<LoadedScene, SceneFileError> {
+    let bytes = read_file(path, budget).map_err(|fault| fault.at(path))?;
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let by_name = FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()));
+    let by_content = FORMATS.iter().find(|format| (format.recognise)(&bytes));
+    // A format without a signature (OBJ, TOML) is believed unless the content is clearly another's.
+    let format = by_content.or(by_name).ok_or_else(|| SceneFileError::UnknownFormat {
+        path: path.to_owned(),
+        known: FORMATS
+            .iter()
+            .map(|f| format!("{} .{}", f.name, f.extensions.join(" .")))
+            .collect::<Vec<_>>()
+            .join(", "),
+    })?;
+    if !scene_files && format.extensions.contains(&"toml") {
+        let message = "a scene file cannot place another scene file, only models".to_owned();
+        return Err(SceneFileError::Unsupported { path: path.to_owned(), message });
+    }
+    let source = Source { path, bytes: &bytes, options };
+    let mut loaded = (format.read)(&source, budget).map_err(|fault| fault.at(path))?;
+    if let Some(named) = by_name.filter(|named| named.name != format.name) {
+        loaded
+            .scene
+            .warnings
+            .push(format!("the file is named like {} but holds {}", named.name, format.name));
+    }
+    tidy(&mut loaded.scene.warnings);
+    loaded.scene.check_extent().map_err(|message| Fault::Invalid(message).at(path))?;
+    Ok(loaded)
+}
+
+/// Each warning once, and no more of them than anybody reads.
+fn tidy(warnings: &mut Vec<String>) {
+    const MOST: usize = 20;
+    let mut seen = HashSet::new();
+    warnings.retain(|warning| seen.insert(warning.clone()));
+    if warnings.len() > MOST {
+        let more = warnings.len() - MOST;
+        warnings.truncate(MOST);
+        warnings.push(format!("and {more} more warnings"));
+    }
+}
+
+/// A file's bytes and where they are from.
+struct Source<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+    options: &'a LoadOptions,
+}
+
+impl Source<'_> {
+    /// Path of a file that this one names relative to itself.
+    fn sibling(&self, relative: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(relative)
+    }
+
+    /// A scene without environment on the format's default ground.
+    fn loaded(scene: Scene, ground: Ground) -> LoadedScene {
+        LoadedScene { scene, environment: None, ground }
+    }
+}
+
+/// Memory that loading may still take: asked before every allocation whose size a file decides.
+struct Budget {
+    left: usize,
+    limit: usize,
+}
+
+impl Budget {
+    fn new(limit: usize) -> Self {
+        Self { left: limit, limit }
+    }
+
+    /// Claims `count` items of `bytes_each`.
+    fn take(&mut self, count: usize, bytes_each: usize) -> Result<(), Fault> {
+        let left = count.checked_mul(bytes_each).and_then(|bytes| self.left.checked_sub(bytes));
+        self.left = left.ok_or(Fault::TooLarge { limit_mib: self.limit >> 20 })?;
+        Ok(())
+    }
+}
+
+/// The whole file, within the budget. Devices and pipes are refused: they may never end.
+fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+    let io = |source| SceneFileError::Io { path: path.to_owned(), source };
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        return Err(Fault::invalid("it is not a regular file"));
+    }
+    let length =
+        usize::try_from(metadata.len()).map_err(|_| Fault::TooLarge { limit_mib: budget.limit >> 20 })?;
+    budget.take(length, 1)?;
+    let mut bytes = Vec::with_capacity(length);
+    // Not past the length that was budgeted, even if the file grows meanwhile.
+    std::fs::File::open(path)
+        .and_then(|file| file.take(metadata.len()).read_to_end(&mut bytes))
+        .map_err(io)?;
+    Ok(bytes)
+}
+
+/// Text after a UTF-8 byte order mark.
+fn without_bom(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// The file's name without folder and extension, to name its node.
+fn stem(path: &Path) -> String {
+    path.file_stem().map(|stem| gnomon_messages::quoted(&stem.to_string_lossy())).unwrap_or_default()
+}

@@ -1,0 +1,309 @@
+//! Gnomon's own scene file: models and lights placed in a scene, materials, camera, environment and ground. The format is
+//! described in `SCENE_FORMAT.md` beside this crate's manifest.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ::toml::Spanned;
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+use gnomon_messages::quoted;
+use gnomon_scene::{
+    Camera, Ground, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene, builtin, excess,
+};
+use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
+
+use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, Source, load_within};
+use crate::SceneFileError;
+use crate::error::Fault;
+
+mod light;
+
+/// Reads a scene file and the models that it places.
+pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
+    let text = text_of(source.bytes)?;
+    // The parsed document takes several times the size of its text.
+    budget.take(text.len(), 16)?;
+    let file: SceneFile = parse(text)?;
+    let reader = Reader { text, source };
+    reader.scene(&file, budget)
+}
+
+/// Those tables of a scene file that say how it is drawn, which [`super::load`] leaves alone: `T` has a field for each, with a default,
+/// and refuses no others. `None` for a file of another format.
+///
+/// # Errors
+/// [`SceneFileError::Io`], or [`SceneFileError::Invalid`] with the line that `T` refuses.
+pub fn read_sections<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, SceneFileError> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return Ok(None);
+    }
+    let mut budget = Budget::new(LoadOptions::default().memory_limit);
+    let read = super::read_file(path, &mut budget).and_then(|bytes| parse(text_of(&bytes)?));
+    read.map(Some).map_err(|fault| fault.at(path))
+}
+
+fn text_of(bytes: &[u8]) -> Result<&str, Fault> {
+    std::str::from_utf8(super::without_bom(bytes)).map_err(|_| Fault::invalid("a scene file is UTF-8 text"))
+}
+
+fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
+    ::toml::from_str(text).map_err(|error| {
+        let at =
+            error.span().map_or_else(String::new, |span| format!("line {}: ", line_of(text, span.start)));
+        Fault::Invalid(format!("{at}{}", error.message()))
+    })
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    ground: Option<Ground>,
+    camera: Option<Camera>,
+    environment: Option<Spanned<EnvironmentEntry>>,
+    #[serde(default)]
+    material: BTreeMap<String, Spanned<MaterialEntry>>,
+    #[serde(default)]
+    model: Vec<Spanned<ModelEntry>>,
+    #[serde(default)]
+    light: Vec<Spanned<light::LightEntry>>,
+    // How the scene is drawn is read by whoever draws it, through `read_sections`.
+    #[serde(rename = "fit")]
+    _fit: Option<IgnoredAny>,
+    #[serde(rename = "render")]
+    _render: Option<IgnoredAny>,
+    #[serde(rename = "display")]
+    _display: Option<IgnoredAny>,
+    #[serde(rename = "animation")]
+    _animation: Option<IgnoredAny>,
+    #[serde(rename = "surface")]
+    _surface: Option<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EnvironmentEntry {
+    file: Option<String>,
+    builtin: Option<String>,
+    #[serde(default)]
+    rotation: f32,
+    #[serde(default)]
+    exposure: Exposure,
+    projection: Option<String>,
+}
+
+/// Stops, or the word for what suits the environment.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "exposure is a number of stops or \"automatic\"")]
+enum Exposure {
+    Stops(f32),
+    Automatic(Automatic),
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Automatic {
+    Automatic,
+}
+
+impl Default for Exposure {
+    fn default() -> Self {
+        Self::Stops(0.0)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelEntry {
+    file: Option<String>,
+    builtin: Option<String>,
+    ground: Option<bool>,
+    name: Option<String>,
+    #[serde(default)]
+    translation: [f32; 3],
+    #[serde(default)]
+    rotation: [f32; 3],
+    #[serde(default)]
+    scale: Scale,
+    material: Option<String>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "scale is one number or three")]
+enum Scale {
+    Uniform(f32),
+    Axes([f32; 3]),
+}
+
+impl Default for Scale {
+    fn default() -> Self {
+        Self::Uniform(1.0)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialEntry {
+    reflectance: Option<String>,
+    base_color: Option<[f32; 3]>,
+    metallic: Option<f32>,
+    roughness: Option<f32>,
+    specular: Option<f32>,
+    specular_color: Option<[f32; 3]>,
+    ior: Option<f32>,
+    shininess: Option<f32>,
+    slope: Option<f32>,
+    emissive: Option<[f32; 3]>,
+    double_sided: Option<bool>,
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    source: &'a Source<'a>,
+}
+
+impl Reader<'_> {
+    fn scene(&self, file: &SceneFile, budget: &mut Budget) -> Result<LoadedScene, Fault> {
+        let mut scene = Scene::default();
+        let mut materials = BTreeMap::new();
+        for (name, entry) in &file.material {
+            let material = self.material(name, entry)?;
+            let excess = excess(&material.surface);
+            scene.warnings.extend(excess.map(|excess| format!("material '{}': {excess}", quoted(name))));
+            materials.insert(name.as_str(), MaterialId(scene.materials.len()));
+            scene.materials.push(material);
+        }
+        scene.cameras.extend(file.camera.clone());
+        for model in &file.model {
+            self.place(model, &materials, &mut scene, budget)?;
+        }
+        for light in &file.light {
+            light.get_ref().add_to(&mut scene).map_err(|message| self.at(light, message))?;
+        }
+        let environment = file.environment.as_ref().map(|entry| self.environment(entry)).transpose()?;
+        Ok(LoadedScene { scene, environment, ground: file.ground.unwrap_or(Ground::None) })
+    }
+
+    fn place(
+        &self,
+        spanned: &Spanned<ModelEntry>,
+        materials: &BTreeMap<&str, MaterialId>,
+        scene: &mut Scene,
+        budget: &mut Budget,
+    ) -> Result<(), Fault> {
+        let model = spanned.get_ref();
+        let (mut placed, name) = match (&model.file, &model.builtin) {
+            (Some(file), None) => {
+                let path = self.source.sibling(file);
+                let loaded = load_within(&path, self.source.options, budget, false)?;
+                (loaded.scene, super::stem(Path::new(file)))
+            }
+            (None, Some(name)) => {
+                let with_ground = model.ground == Some(true);
+                let builtin =
+                    if with_ground { builtin::by_name(name) } else { builtin::without_ground(name) };
+                (builtin.map_err(|error| self.at(spanned, error.to_string()))?, name.clone())
+            }
+            _ => return Err(self.at(spanned, "a model has either 'file' or 'builtin'".to_owned())),
+        };
+        if model.ground.is_some() && model.builtin.is_none() {
+            return Err(self.at(spanned, "only a built-in model has a 'ground' to bring".to_owned()));
+        }
+        // The root of the model comes first.
+        let ground = placed.ground.map(|node| NodeId(node.0 + 1 + scene.nodes.len()));
+        if let Some(material) = &model.material {
+            let id = materials.get(material.as_str()).ok_or_else(|| {
+                self.at(spanned, format!("there is no [material.{}] in this file", quoted(material)))
+            })?;
+            // One material for the whole model; the file's own go, and so do its textures.
+            placed.meshes.iter_mut().for_each(|mesh| mesh.material = None);
+            placed.materials.clear();
+            placed.textures.clear();
+            let first = scene.meshes.len();
+            scene.append(placed, self.root(spanned, name)?);
+            scene.meshes[first..].iter_mut().for_each(|mesh| mesh.material = Some(*id));
+        } else {
+            scene.append(placed, self.root(spanned, name)?);
+        }
+        scene.ground = scene.ground.or(ground);
+        Ok(())
+    }
+
+    /// The node that places a model: scaled, then turned about x, y and z in this order, then moved.
+    fn root(&self, spanned: &Spanned<ModelEntry>, name: String) -> Result<Node, Fault> {
+        let model = spanned.get_ref();
+        let [x, y, z] = model.rotation.map(f32::to_radians);
+        let scale = match model.scale {
+            Scale::Uniform(scale) => Vec3::splat(scale),
+            Scale::Axes(scale) => Vec3::from_array(scale),
+        };
+        let rotation = Quat::from_euler(EulerRot::ZYX, z, y, x);
+        let translation = Vec3::from_array(model.translation);
+        if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
+            return Err(self.at(spanned, "translation, rotation and scale must be finite".to_owned()));
+        }
+        if scale.abs().min_element() < f32::MIN_POSITIVE {
+            return Err(self.at(spanned, "scale must not be 0".to_owned()));
+        }
+        Ok(Node {
+            name: model.name.as_deref().map_or(name, quoted),
+            parent_from_node: Affine3A::from_scale_rotation_translation(scale, rotation, translation),
+            ..Node::default()
+        })
+    }
+
+    fn material(&self, name: &str, spanned: &Spanned<MaterialEntry>) -> Result<Material, Fault> {
+        let entry = spanned.get_ref();
+        let mistake = |message: String| self.at(spanned, format!("material '{}': {message}", quoted(name)));
+        let mut material = Material { name: quoted(name), double_sided: true, ..Material::default() };
+        let colors = [("base_color", &entry.base_color), ("specular_color", &entry.specular_color)];
+        let numbers = [
+            ("metallic", &entry.metallic),
+            ("roughness", &entry.roughness),
+            ("specular", &entry.specular),
+            ("ior", &entry.ior),
+            ("shininess", &entry.shininess),
+            ("slope", &entry.slope),
+        ];
+        let colors = colors.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?.as_slice())));
+        let numbers =
+            numbers.into_iter().filter_map(|(key, value)| Some((key, std::slice::from_ref(value.as_ref()?))));
+        let settings = ReflectanceSettings::new(entry.reflectance.as_deref(), colors.chain(numbers));
+        settings.map_err(mistake)?.apply(&mut material.surface);
+        if let Some(color) = entry.emissive {
+            if !color.iter().all(|value| (0.0..=f32::MAX).contains(value)) {
+                return Err(mistake("emissive must be at least 0".to_owned()));
+            }
+            material.emissive = Vec3::from_array(color);
+        }
+        material.double_sided = entry.double_sided.unwrap_or(true);
+        Ok(material)
+    }
+
+    fn environment(&self, spanned: &Spanned<EnvironmentEntry>) -> Result<EnvironmentSettings, Fault> {
+        let entry = spanned.get_ref();
+        let source = match (&entry.file, &entry.builtin) {
+            (Some(file), None) => EnvironmentSource::File(self.source.sibling(file)),
+            (None, Some(name)) => EnvironmentSource::Builtin(name.clone()),
+            _ => return Err(self.at(spanned, "an environment has either 'file' or 'builtin'".to_owned())),
+        };
+        let exposure_ev = match entry.exposure {
+            Exposure::Stops(stops) => Some(stops),
+            Exposure::Automatic(Automatic::Automatic) => None,
+        };
+        if !(entry.rotation.is_finite() && exposure_ev.is_none_or(f32::is_finite)) {
+            return Err(self.at(spanned, "rotation and exposure must be finite".to_owned()));
+        }
+        let projection = entry.projection.as_deref().map(quoted);
+        Ok(EnvironmentSettings { source, rotation_degrees: entry.rotation, exposure_ev, projection })
+    }
+
+    fn at<T>(&self, spanned: &Spanned<T>, message: String) -> Fault {
+        Fault::Invalid(format!("line {}: {message}", line_of(self.text, spanned.span().start)))
+    }
+}
+
+/// Line number, from 1, of a byte offset.
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}

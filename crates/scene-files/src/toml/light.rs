@@ -1,0 +1,143 @@
+//! `[[light]]` of a scene file.
+
+use std::f32::consts::PI;
+
+use glam::{Affine3A, Mat3, Vec2, Vec3};
+use gnomon_messages::quoted;
+use gnomon_scene::{AreaLight, AreaLightShape, Node, NodeId, Scene};
+use serde::Deserialize;
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Shape {
+    Disk,
+    Square,
+    Rectangle,
+    Sphere,
+}
+
+/// Side of a square, or width and height.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "size is one number or two")]
+enum Size {
+    Side(f32),
+    Sides([f32; 2]),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightEntry {
+    shape: Shape,
+    name: Option<String>,
+    node: Option<String>,
+    #[serde(default)]
+    position: [f32; 3],
+    target: Option<[f32; 3]>,
+    direction: Option<[f32; 3]>,
+    roll: Option<f32>,
+    radius: Option<f32>,
+    size: Option<Size>,
+    radiance: Option<[f32; 3]>,
+    power: Option<[f32; 3]>,
+}
+
+/// Smallest and largest length of an outline [m]: squares of both are far from the ends of `f32`.
+const LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
+/// Largest radiance: sums over many lights stay finite.
+const MOST_RADIANCE: f32 = 1e30;
+
+impl LightEntry {
+    /// Adds the light and a node that places it, or says what is wrong.
+    pub fn add_to(&self, scene: &mut Scene) -> Result<(), String> {
+        let shape = self.outline()?;
+        let radiance = self.radiance(&shape)?;
+        let parent = self.node.as_deref().map(|name| node_called(scene, name)).transpose()?;
+        let position = Vec3::from_array(self.position);
+        if !position.is_finite() {
+            return Err("position must be finite".to_owned());
+        }
+        scene.nodes.push(Node {
+            name: self.name.as_deref().map_or_else(|| "light".to_owned(), quoted),
+            parent,
+            parent_from_node: Affine3A::from_mat3_translation(self.orientation(position)?, position),
+            ..Node::default()
+        });
+        scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance });
+        Ok(())
+    }
+
+    fn outline(&self) -> Result<AreaLightShape, String> {
+        let check = |what: &str, lengths: &[f32]| match lengths.iter().all(|length| LENGTHS.contains(length))
+        {
+            true => Ok(()),
+            false => Err(format!("{what} must be {} to {} m", LENGTHS.start(), LENGTHS.end())),
+        };
+        let round = |kind: &str| match (self.radius, self.size) {
+            (Some(radius), None) => check("radius", &[radius]).map(|()| radius),
+            _ => Err(format!("a {kind} has 'radius' and no 'size'")),
+        };
+        match (self.shape, self.radius, self.size) {
+            (Shape::Disk, ..) => Ok(AreaLightShape::Disk { radius: round("disk")? }),
+            (Shape::Sphere, ..) => Ok(AreaLightShape::Sphere { radius: round("sphere")? }),
+            (Shape::Square, None, Some(Size::Side(side))) => {
+                check("size", &[side])?;
+                Ok(AreaLightShape::Rectangle { size: Vec2::splat(side) })
+            }
+            (Shape::Rectangle, None, Some(Size::Sides(sides))) => {
+                check("size", &sides)?;
+                Ok(AreaLightShape::Rectangle { size: Vec2::from_array(sides) })
+            }
+            (Shape::Square, ..) => Err("a square has 'size', one number, and no 'radius'".to_owned()),
+            (Shape::Rectangle, ..) => Err("a rectangle has 'size', two numbers, and no 'radius'".to_owned()),
+        }
+    }
+
+    fn radiance(&self, shape: &AreaLightShape) -> Result<Vec3, String> {
+        let (what, given, radiance) = match (self.radiance, self.power) {
+            (Some(radiance), None) => ("radiance", radiance, Vec3::from_array(radiance)),
+            (None, Some(power)) => ("power", power, Vec3::from_array(power) / (PI * shape.area())),
+            _ => return Err("a light has either 'radiance' or 'power'".to_owned()),
+        };
+        if !given.iter().all(|value| (0.0..f32::INFINITY).contains(value)) {
+            return Err(format!("{what} must be three finite numbers of at least 0"));
+        }
+        if radiance.max_element() > MOST_RADIANCE {
+            return Err(format!("{what} gives a radiance above {MOST_RADIANCE:e}"));
+        }
+        Ok(radiance)
+    }
+
+    /// Axes of the node: like a camera, the light looks along its -z, with +y (or +z where it looks along y) upwards.
+    fn orientation(&self, position: Vec3) -> Result<Mat3, String> {
+        let towards = match (self.shape, self.target, self.direction) {
+            (Shape::Sphere, None, None) if self.roll.is_none() => return Ok(Mat3::IDENTITY),
+            (Shape::Sphere, ..) => return Err("a sphere has no 'target', 'direction' or 'roll'".to_owned()),
+            (_, Some(target), None) => Vec3::from_array(target) - position,
+            (_, None, Some(direction)) => Vec3::from_array(direction),
+            _ => return Err("a flat light has either 'target' or 'direction'".to_owned()),
+        };
+        // In two steps: the square of a long vector overflows.
+        let scale = towards.abs().max_element();
+        let Some(back) = (-towards / scale).try_normalize().filter(|_| scale.is_finite()) else {
+            return Err("'target' or 'direction' gives no direction".to_owned());
+        };
+        let roll = self.roll.unwrap_or(0.0).to_radians();
+        if !roll.is_finite() {
+            return Err("roll must be finite".to_owned());
+        }
+        let up = if back.y.abs() > 0.9999 { Vec3::Z } else { Vec3::Y };
+        let right = up.cross(back).normalize();
+        Ok(Mat3::from_cols(right, back.cross(right), back) * Mat3::from_rotation_z(-roll))
+    }
+}
+
+/// The only node of that name.
+fn node_called(scene: &Scene, name: &str) -> Result<NodeId, String> {
+    let mut found = (0..scene.nodes.len()).filter(|&node| scene.nodes[node].name == name);
+    match (found.next(), found.next()) {
+        (Some(node), None) => Ok(NodeId(node)),
+        (None, _) => Err(format!("there is no node '{}'", quoted(name))),
+        (Some(_), Some(_)) => Err(format!("several nodes are called '{}'", quoted(name))),
+    }
+}
