@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
+use gnomon_shaders::layout::{self, Shared};
+
 use crate::{Gpu, RenderError};
 
 /// One binding of a layout.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Binding {
     Uniform,
     Storage {
@@ -72,35 +74,43 @@ pub(crate) struct Shader {
     key: String,
 }
 
-/// What has been compiled for a device. Drivers take up to half a second for a pipeline's first dispatch, and pipelines depend on
-/// nothing but their shader: every layout that a shader is used with is the same.
+/// Bind group layouts of a pipeline, each with its number, one of the GROUP constants.
+pub(crate) type Groups<'a> = &'a [(u32, &'a wgpu::BindGroupLayout)];
+
+/// Bindings of a layout by their numbers, and the stages that see them.
+type LayoutKey = (wgpu::ShaderStages, Vec<(u32, Binding)>);
+/// Shader, entry point and bind group layouts.
+type PipelineKey = (String, String, Vec<(u32, wgpu::BindGroupLayout)>);
+
+/// What has been made for a device, each once: drivers take up to half a second for a pipeline's first dispatch.
 #[derive(Default)]
 pub(crate) struct Compiled {
+    layouts: Mutex<HashMap<LayoutKey, wgpu::BindGroupLayout>>,
     modules: Mutex<HashMap<String, wgpu::ShaderModule>>,
-    pipelines: Mutex<HashMap<String, wgpu::ComputePipeline>>,
+    pipelines: Mutex<HashMap<PipelineKey, wgpu::ComputePipeline>>,
 }
 
 impl Gpu {
-    /// A layout with `(binding number, binding)` entries.
+    /// The layout with these `(binding number, binding)` entries, made once for a device.
     pub(crate) fn layout(
         &self,
         label: &str,
         stages: wgpu::ShaderStages,
         bindings: &[(u32, Binding)],
     ) -> wgpu::BindGroupLayout {
-        let entries: Vec<_> = bindings
-            .iter()
-            .map(|&(binding, kind)| wgpu::BindGroupLayoutEntry {
+        let new_layout = || {
+            let entry = |&(binding, kind): &(u32, Binding)| wgpu::BindGroupLayoutEntry {
                 binding,
                 visibility: stages,
                 ty: kind.ty(),
                 count: None,
-            })
-            .collect();
-        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &entries,
-        })
+            };
+            let entries: Vec<_> = bindings.iter().map(entry).collect();
+            let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
+            self.device.create_bind_group_layout(&descriptor)
+        };
+        let mut layouts = self.compiled.layouts.lock().unwrap_or_else(PoisonError::into_inner);
+        layouts.entry((stages, bindings.to_vec())).or_insert_with(new_layout).clone()
     }
 
     pub(crate) fn bind_group(
@@ -140,10 +150,15 @@ impl Gpu {
         Ok(Shader { module, key })
     }
 
-    pub(crate) fn pipeline_layout(&self, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout {
+    pub(crate) fn pipeline_layout(&self, groups: Groups<'_>) -> wgpu::PipelineLayout {
+        let count = groups.iter().map(|&(group, _)| group as usize + 1).max().unwrap_or(0);
+        let mut layouts = vec![None; count];
+        for &(group, layout) in groups {
+            layouts[group as usize] = Some(layout);
+        }
         self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: None,
-            bind_group_layouts: groups,
+            bind_group_layouts: &layouts,
             immediate_size: 0,
         })
     }
@@ -153,12 +168,12 @@ impl Gpu {
         &self,
         shader: &Shader,
         entry: &str,
-        groups: &[Option<&wgpu::BindGroupLayout>],
+        groups: Groups<'_>,
     ) -> wgpu::ComputePipeline {
         let mut pipelines = self.compiled.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = format!("{} {entry}", shader.key);
+        let layouts = groups.iter().map(|&(group, layout)| (group, layout.clone())).collect();
         pipelines
-            .entry(key)
+            .entry((shader.key.clone(), entry.to_owned(), layouts))
             .or_insert_with(|| self.new_compute_pipeline(&shader.module, entry, groups))
             .clone()
     }
@@ -167,7 +182,7 @@ impl Gpu {
         &self,
         module: &wgpu::ShaderModule,
         entry: &str,
-        groups: &[Option<&wgpu::BindGroupLayout>],
+        groups: Groups<'_>,
     ) -> wgpu::ComputePipeline {
         self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
@@ -177,6 +192,21 @@ impl Gpu {
             compilation_options: Default::default(),
             cache: None,
         })
+    }
+
+    /// A buffer that holds a shared value or a slice of them, as shaders read it.
+    pub(crate) fn shared_buffer<T: Shared + ?Sized>(
+        &self,
+        label: &str,
+        value: &T,
+        usage: wgpu::BufferUsages,
+    ) -> wgpu::Buffer {
+        self.buffer_with(label, &layout::bytes(value), usage)
+    }
+
+    /// Writes a shared value or a slice of them to the start of a buffer.
+    pub(crate) fn write<T: Shared + ?Sized>(&self, buffer: &wgpu::Buffer, value: &T) {
+        self.queue.write_buffer(buffer, 0, &layout::bytes(value));
     }
 
     /// A buffer that holds `bytes`; never empty, because an empty buffer cannot be bound.
@@ -256,4 +286,11 @@ pub(crate) fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureVi
         mip_level_count: Some(1),
         ..Default::default()
     })
+}
+
+/// Binds groups, each with its number.
+pub(crate) fn set_groups(pass: &mut wgpu::ComputePass<'_>, groups: &[(u32, &wgpu::BindGroup)]) {
+    for &(number, group) in groups {
+        pass.set_bind_group(number, group, &[]);
+    }
 }

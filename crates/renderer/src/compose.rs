@@ -1,4 +1,6 @@
-use crate::bindings::{Binding, D2, D2_ARRAY};
+use gnomon_shaders::layout;
+
+use crate::bindings::{Binding, D2_ARRAY, set_groups};
 use crate::composite::Compositing;
 use crate::lighting::Lighting;
 use crate::radiance_cache::RadianceCache;
@@ -10,7 +12,6 @@ pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgb
 /// Makes radiance of the sums of light, with one compositing rule.
 pub(crate) struct ComposePass {
     environment_layout: wgpu::BindGroupLayout,
-    output_layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
 }
 
@@ -27,21 +28,17 @@ impl ComposePass {
         let layers = Binding::Texture { dimension: D2_ARRAY, filterable: false };
         environment.extend([(6, Binding::Uniform), (7, layers), (8, layers)]);
         let environment_layout = gpu.layout("environment", compute, &environment);
-        let written = Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 };
-        let output_layout = gpu.layout("radiance", compute, &[(0, written)]);
         let module = gpu.shader("compose", &[("composite", compositing.module)])?;
-        let groups =
-            [Some(&environment_layout), Some(gbuffer_layout), Some(sums_layout), Some(&output_layout)];
+        let groups = [
+            (layout::GROUP_FRAME, &environment_layout),
+            (layout::GROUP_SURFACE, gbuffer_layout),
+            (layout::GROUP_PASS, sums_layout),
+        ];
         let pipeline = gpu.compute_pipeline(&module, "compose", &groups);
-        Ok(Self { environment_layout, output_layout, pipeline })
+        Ok(Self { environment_layout, pipeline })
     }
 
-    /// Layout of bind group 3.
-    pub fn output_layout(&self) -> &wgpu::BindGroupLayout {
-        &self.output_layout
-    }
-
-    /// Bind group 0.
+    /// Bind group of the frame.
     pub fn environment_group(
         &self,
         gpu: &Gpu,
@@ -64,24 +61,15 @@ impl ComposePass {
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 
-    /// Bind group 3.
-    pub fn output_group(&self, gpu: &Gpu, radiance: &wgpu::TextureView) -> wgpu::BindGroup {
-        let resources = [(0, wgpu::BindingResource::TextureView(radiance))];
-        gpu.bind_group("radiance", &self.output_layout, &resources)
-    }
-
-    /// `groups` are bind groups 0 to 3.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
-        groups: [&wgpu::BindGroup; 4],
+        groups: [(u32, &wgpu::BindGroup); 3],
         [width, height]: [u32; 2],
     ) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        for (i, group) in (0..).zip(groups) {
-            pass.set_bind_group(i, group, &[]);
-        }
-        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        set_groups(&mut pass, &groups);
+        pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
     }
 }

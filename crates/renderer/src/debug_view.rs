@@ -1,8 +1,9 @@
-//! What a frame is made of, shown in place of its picture. To add a view: an entry in [`DEBUG_VIEWS`] and a case in `debug_view.wgsl`.
+//! What a frame is made of, shown in place of its picture. To add a view: a VIEW constant, an entry in [`DEBUG_VIEWS`] and a
+//! case in `debug_view.wgsl`.
 
 use gnomon_shaders::layout;
 
-use crate::bindings::{Binding, D2_ARRAY};
+use crate::bindings::{Binding, D2_ARRAY, set_groups};
 use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
@@ -16,7 +17,7 @@ pub struct DebugView {
     pub summary: &'static str,
     /// Whether it is about one light, which can be chosen.
     pub of_light: bool,
-    /// A VIEW constant of `debug_view.wgsl`.
+    /// A VIEW constant.
     code: u32,
 }
 
@@ -27,14 +28,29 @@ const fn view(name: &'static str, summary: &'static str, of_light: bool, code: u
 /// Every view; the first is the picture itself.
 pub const DEBUG_VIEWS: &[DebugView] = &[
     view("final", "the picture", false, 0),
-    view("normals", "shading normals: x, y, z from -1 to 1 as red, green, blue", false, 1),
-    view("depth", "distance along the view: nearer is lighter", false, 2),
-    view("base-color", "base colour of the materials, without light", false, 3),
-    view("shadow-buffer", "share of the lights' irradiance that arrives", false, 4),
-    view("visibility", "share of one light that is seen; blue where it is below the horizon", true, 5),
-    view("shadow-map", "one light's shadow map: nearer is lighter, blue is empty", true, 6),
-    view("lights", "the lights on the environment map; the chosen one is white", true, 7),
-    view("points", "where lights are summed: white for a tile, red for a sample of its own", false, 8),
+    view("normals", "shading normals: x, y, z from -1 to 1 as red, green, blue", false, layout::VIEW_NORMALS),
+    view("depth", "distance along the view: nearer is lighter", false, layout::VIEW_DEPTH),
+    view("base-color", "base colour of the materials, without light", false, layout::VIEW_BASE_COLOR),
+    view("shadow-buffer", "share of the lights' irradiance that arrives", false, layout::VIEW_SHADOW_BUFFER),
+    view(
+        "visibility",
+        "share of one light that is seen; blue where it is below the horizon",
+        true,
+        layout::VIEW_VISIBILITY,
+    ),
+    view(
+        "shadow-map",
+        "one light's shadow map: nearer is lighter, blue is empty",
+        true,
+        layout::VIEW_SHADOW_MAP,
+    ),
+    view("lights", "the lights on the environment map; the chosen one is white", true, layout::VIEW_LIGHTS),
+    view(
+        "points",
+        "where lights are summed: white for a tile, red for a sample of its own",
+        false,
+        layout::VIEW_POINTS,
+    ),
 ];
 
 /// The view called `name`; `None` for the picture itself.
@@ -69,7 +85,7 @@ impl DebugView {
 
     /// What the shader is told, but for what depends on batch and camera.
     pub(crate) fn parameters(&self) -> layout::DebugParameters {
-        layout::DebugParameters { view: self.code, ..bytemuck::Zeroable::zeroed() }
+        layout::DebugParameters { view: self.code, ..Default::default() }
     }
 }
 
@@ -79,15 +95,15 @@ pub(crate) struct DebugPass {
     pipeline: wgpu::ComputePipeline,
 }
 
-/// Bind group 0 of a batch.
+/// Bind group of the frame for a batch.
 pub(crate) struct DebugGroup {
     pub parameters: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
 impl DebugPass {
-    /// `layouts` are those of bind groups 1 to 3.
-    pub fn new(gpu: &Gpu, layouts: [&wgpu::BindGroupLayout; 3]) -> Result<Self, RenderError> {
+    /// Layouts of the G-buffer and of the sums.
+    pub fn new(gpu: &Gpu, [gbuffer, sums]: [&wgpu::BindGroupLayout; 2]) -> Result<Self, RenderError> {
         let bindings = [
             (0, Binding::Uniform),
             (1, Binding::Uniform),
@@ -95,11 +111,11 @@ impl DebugPass {
             (3, Binding::Depth { dimension: D2_ARRAY }),
             (4, Binding::Uniform),
         ];
-        let layout = gpu.layout("debug view", wgpu::ShaderStages::COMPUTE, &bindings);
-        let [gbuffer, sums, output] = layouts;
-        let groups = [Some(&layout), Some(gbuffer), Some(sums), Some(output)];
+        let frame = gpu.layout("debug view", wgpu::ShaderStages::COMPUTE, &bindings);
+        let groups =
+            [(layout::GROUP_FRAME, &frame), (layout::GROUP_SURFACE, gbuffer), (layout::GROUP_PASS, sums)];
         let pipeline = gpu.compute_pipeline(&gpu.shader("debug_view", &[])?, "debug_view", &groups);
-        Ok(Self { layout, pipeline })
+        Ok(Self { layout: frame, pipeline })
     }
 
     /// For a batch with these lights and maps.
@@ -111,7 +127,7 @@ impl DebugPass {
         lights: &wgpu::Buffer,
         maps: &DepthMaps,
     ) -> DebugGroup {
-        let size = size_of::<layout::DebugParameters>() as u64;
+        let size = layout::size::<layout::DebugParameters>();
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let parameters = gpu.empty_buffer("debug view", size, usage);
         let resources = [
@@ -124,22 +140,20 @@ impl DebugPass {
         DebugGroup { group: gpu.bind_group("debug view", &self.layout, &resources), parameters }
     }
 
-    /// `groups` are bind groups 1 to 3. Batches are drawn one over the other.
+    /// `groups` are the G-buffer and the sums. Batches are drawn one over the other.
     pub fn encode<'a>(
         &self,
         recorder: &mut Recorder<'_>,
         batches: impl Iterator<Item = &'a DebugGroup>,
-        groups: [&wgpu::BindGroup; 3],
+        [gbuffer, sums]: [&wgpu::BindGroup; 2],
         [width, height]: [u32; 2],
     ) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        for (i, group) in (1..).zip(groups) {
-            pass.set_bind_group(i, group, &[]);
-        }
+        set_groups(&mut pass, &[(layout::GROUP_SURFACE, gbuffer), (layout::GROUP_PASS, sums)]);
         for batch in batches {
-            pass.set_bind_group(0, &batch.group, &[]);
-            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+            pass.set_bind_group(layout::GROUP_FRAME, &batch.group, &[]);
+            pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
         }
     }
 }

@@ -77,12 +77,10 @@ impl PoseData {
                 let first_weight = weights.len() as u32;
                 weights.extend(scene.morph_weights(instance));
                 layout::Instance {
-                    world_from_mesh: Mat4::from(instance.world_from_mesh).to_cols_array_2d(),
-                    normal_from_mesh: Mat4::from_mat3(normal_matrix(&instance.world_from_mesh))
-                        .to_cols_array_2d(),
+                    world_from_mesh: Mat4::from(instance.world_from_mesh),
+                    normal_from_mesh: Mat4::from_mat3(normal_matrix(&instance.world_from_mesh)),
                     first_joint: instance.skin.map_or(layout::NO_SKIN, |skin| first_joints[skin.0]),
                     first_weight,
-                    padding: [0; 2],
                 }
             })
             .collect();

@@ -63,7 +63,7 @@ pub(crate) struct ShadowMapPass {
 
 impl ShadowMapPass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        let layout = gpu.layout(
+        let bindings = gpu.layout(
             "shadow map",
             wgpu::ShaderStages::VERTEX,
             &[(0, Binding::Storage { read_only: true })],
@@ -72,7 +72,7 @@ impl ShadowMapPass {
         let pipeline = |vertex, fragment: Option<wgpu::FragmentState<'_>>| {
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("shadow map"),
-                layout: Some(&gpu.pipeline_layout(&[Some(&layout)])),
+                layout: Some(&gpu.pipeline_layout(&[(layout::GROUP_PASS, &bindings)])),
                 vertex: wgpu::VertexState {
                     module: &shader.module,
                     entry_point: Some(vertex),
@@ -106,8 +106,7 @@ impl ShadowMapPass {
         };
         let perspective_pipeline = pipeline("perspective_shadow_map", Some(linear_depth));
         let pipeline = pipeline("shadow_map", None);
-        debug_assert_eq!(size_of::<layout::Light>() % 16, 0);
-        Ok(Self { layout, pipeline, perspective_pipeline })
+        Ok(Self { layout: bindings, pipeline, perspective_pipeline })
     }
 
     /// Bind group of the lights of one batch, a buffer of [`layout::Light`].
@@ -143,7 +142,7 @@ impl ShadowMapPass {
                 } else {
                     &self.pipeline
                 });
-                pass.set_bind_group(0, lights_group, &[]);
+                pass.set_bind_group(layout::GROUP_PASS, lights_group, &[]);
                 pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
                 pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
                 for indices in &view.indices {

@@ -1,3 +1,5 @@
+use gnomon_shaders::layout;
+
 use crate::bindings::{Binding, D2};
 use crate::depth_maps::DEPTH_FORMAT;
 use crate::geometry::Geometry;
@@ -15,7 +17,7 @@ pub(crate) struct GBuffer {
     size: [u32; 2],
     depth: wgpu::TextureView,
     colors: Vec<wgpu::TextureView>,
-    /// Bind group 1 of the passes over the screen.
+    /// Surface bind group of the passes over the screen.
     pub group: wgpu::BindGroup,
 }
 
@@ -66,7 +68,10 @@ impl GBufferPass {
         };
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("gbuffer"),
-            layout: Some(&gpu.pipeline_layout(&[Some(&view_layout), Some(&material_layout)])),
+            layout: Some(&gpu.pipeline_layout(&[
+                (layout::GROUP_FRAME, &view_layout),
+                (layout::GROUP_SURFACE, &material_layout),
+            ])),
             vertex: wgpu::VertexState {
                 module: &shader.module,
                 entry_point: Some("gbuffer_vertex"),
@@ -100,7 +105,7 @@ impl GBufferPass {
         Ok(Self { material_layout, view_layout, read_layout, pipeline })
     }
 
-    /// Bind group 0 over the frame's view uniform.
+    /// Bind group of the frame over the frame's view uniform.
     pub fn view_group(&self, gpu: &Gpu, view: &wgpu::Buffer) -> wgpu::BindGroup {
         gpu.bind_group("view", &self.view_layout, &[(0, view.as_entire_binding())])
     }
@@ -143,7 +148,7 @@ impl GBufferPass {
             return;
         }
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, view_group, &[]);
+        pass.set_bind_group(layout::GROUP_FRAME, view_group, &[]);
         let buffers = [
             &geometry.positions_world,
             &geometry.normals_world,
@@ -160,7 +165,7 @@ impl GBufferPass {
             pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
             pass.set_scissor_rect(x, y, width, height);
             for range in &geometry.ranges {
-                pass.set_bind_group(1, materials.bind_group(range.material), &[]);
+                pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(range.material), &[]);
                 pass.draw_indexed(range.indices.clone(), 0, part..part + 1);
             }
         }

@@ -84,7 +84,7 @@ impl Geometry {
         let placed = by_material(scene);
         let total: usize = placed.iter().map(|i| scene.meshes[i.mesh.0].positions.len()).sum();
         let limits = gpu.device.limits();
-        let vertex_bytes = size_of::<layout::MeshVertex>() as u64;
+        let vertex_bytes = layout::size::<layout::MeshVertex>();
         let largest = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let over = |what, wanted: u64, limit: u64| RenderError::OverLimit {
             what,
@@ -133,11 +133,11 @@ impl Geometry {
                 let tangent = mesh.tangents.get(i).copied().unwrap_or_default();
                 let uv = |set: usize| mesh.uvs[set].get(i).copied().unwrap_or_default();
                 vertices.push(layout::MeshVertex {
-                    position: position.to_array(),
+                    position: *position,
                     instance: instance as u32,
-                    normal: mesh.normals.get(i).copied().unwrap_or_default().to_array(),
+                    normal: mesh.normals.get(i).copied().unwrap_or_default(),
                     tangent_sign: tangent.w,
-                    tangent: tangent.truncate().to_array(),
+                    tangent: tangent.truncate(),
                     record: vertex_records.get(i).copied().unwrap_or(0),
                 });
                 attributes.push(StaticAttributes {
@@ -205,8 +205,8 @@ impl Geometry {
         }
 
         let storage = wgpu::BufferUsages::STORAGE;
-        let mesh_vertices = gpu.buffer_with("mesh vertices", bytemuck::cast_slice(&vertices), storage);
-        let instances = gpu.buffer_with("instances", bytemuck::cast_slice(&data.instances), storage);
+        let mesh_vertices = gpu.shared_buffer("mesh vertices", vertices.as_slice(), storage);
+        let instances = gpu.shared_buffer("instances", data.instances.as_slice(), storage);
         let joints = gpu.buffer_with("joints", bytemuck::cast_slice(&data.joints), storage);
         let weights = gpu.buffer_with("morph weights", bytemuck::cast_slice(&data.weights), storage);
         let records = gpu.buffer_with("deformation records", bytemuck::cast_slice(&records.words), storage);
@@ -273,7 +273,7 @@ impl Geometry {
             return Ok(false);
         }
         self.move_boxes(scene, &pose, &placed)?;
-        gpu.queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&data.instances));
+        gpu.write(&self.instances, data.instances.as_slice());
         gpu.queue.write_buffer(&self.joints, 0, bytemuck::cast_slice(&data.joints));
         gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&data.weights));
         Ok(true)
@@ -348,24 +348,28 @@ impl TransformPass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let read = Binding::Storage { read_only: true };
         let write = Binding::Storage { read_only: false };
-        let layout = gpu.layout(
+        let bindings = gpu.layout(
             "transform",
             wgpu::ShaderStages::COMPUTE,
             &[(0, read), (1, read), (2, write), (3, write), (4, write), (5, read), (6, read), (7, read)],
         );
-        let pipeline = gpu.compute_pipeline(&gpu.shader("transform", &[])?, "transform", &[Some(&layout)]);
-        Ok(Self { layout, pipeline })
+        let pipeline = gpu.compute_pipeline(
+            &gpu.shader("transform", &[])?,
+            "transform",
+            &[(layout::GROUP_PASS, &bindings)],
+        );
+        Ok(Self { layout: bindings, pipeline })
     }
 
     pub fn encode(&self, recorder: &mut Recorder<'_>, geometry: &Geometry) {
-        let groups = geometry.vertex_count.div_ceil(64);
+        let groups = geometry.vertex_count.div_ceil(layout::VERTEX_WORKGROUP);
         if groups == 0 {
             return;
         }
         let x = groups.min(1024);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &geometry.bind_group, &[]);
+        pass.set_bind_group(layout::GROUP_PASS, &geometry.bind_group, &[]);
         pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
     }
 }

@@ -154,33 +154,31 @@ pub(crate) fn light_uniform(
         LightShape::Rectangle { corners } => rectangle_vector_irradiance(corners),
     };
     let (shape, angular_radius, corners) = match light.shape {
-        LightShape::Disk { angular_radius } => (layout::SHAPE_DISK, angular_radius, [[0.0; 4]; 4]),
+        LightShape::Disk { angular_radius } => (layout::SHAPE_DISK, angular_radius, [Vec4::ZERO; 4]),
         LightShape::Rectangle { corners } => {
-            (layout::SHAPE_RECTANGLE, 0.0, corners.map(|corner| corner.extend(0.0).to_array()))
+            (layout::SHAPE_RECTANGLE, 0.0, corners.map(|corner| corner.extend(0.0)))
         }
     };
     layout::Light {
-        direction: light.direction.to_array(),
+        direction: light.direction,
         shape,
-        tangent: light.tangent.to_array(),
+        tangent: light.tangent,
         angular_radius,
-        bitangent: light.bitangent.to_array(),
+        bitangent: light.bitangent,
         solid_angle: light.solid_angle,
-        radiance: light.radiance.to_array(),
-        padding_2: 0.0,
+        radiance: light.radiance,
         corners,
-        light_from_world: light_from_world.to_cols_array_2d(),
+        light_from_world,
         map_width_world: map_width,
         depth_range_world: range,
         normal_offset_world: normal_offset_texels * map_width / resolution,
         near_world: 0.0,
-        position: [0.0; 3],
+        position: Vec3::ZERO,
         kind: layout::KIND_DISTANT,
-        half_extent: light.tan_half_extent().to_array(),
+        half_extent: light.tan_half_extent(),
         role: layout::ROLE_LIGHT,
         caster_deviation_world: 0.0,
-        vector_irradiance: vector_irradiance.to_array(),
-        padding_1: 0.0,
+        vector_irradiance,
     }
 }
 
@@ -205,7 +203,7 @@ mod tests {
     fn the_whole_scene_lies_inside_the_map_and_nearer_points_are_shallower() {
         let light = DistantLight::disk(DVec3::new(0.3, 0.8, -0.5).normalize(), 0.1, DVec3::ONE);
         let uniform = light_uniform(&light, &boxes(), 256, 1.0);
-        let light_from_world = Mat4::from_cols_array_2d(&uniform.light_from_world);
+        let light_from_world = uniform.light_from_world;
         for corner in boxes().corners() {
             let p = light_from_world.transform_point3(corner);
             assert!(p.truncate().abs().max_element() < 1.0 && p.z > 0.0 && p.z < 1.0, "{p}");
@@ -219,6 +217,6 @@ mod tests {
     fn a_scene_without_triangles_still_gives_a_finite_frame() {
         let light = DistantLight::disk(DVec3::Y, 0.1, DVec3::ONE);
         let uniform = light_uniform(&light, &PlacedBoxes::default(), 64, 1.0);
-        assert!(bytemuck::cast_slice::<_, f32>(&uniform.light_from_world).iter().all(|v| v.is_finite()));
+        assert!(uniform.light_from_world.is_finite());
     }
 }

@@ -1,16 +1,18 @@
-use crate::bindings::Binding;
+use gnomon_shaders::layout;
+
+use crate::bindings::{Binding, Groups, set_groups};
 use crate::recorder::Recorder;
 use crate::shading_points::ShadingPoints;
 use crate::shadow_batches::Batch;
 use crate::{Gpu, RenderError};
 
-/// Layout of bind group 0 of the pass that sums light.
+/// Layout of the frame as the pass that sums light has it.
 pub(crate) fn frame_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let uniforms = [(0, Binding::Uniform), (1, Binding::Uniform), (2, Binding::Uniform)];
     gpu.layout("frame", wgpu::ShaderStages::COMPUTE, &uniforms)
 }
 
-/// Bind group 0 of a batch.
+/// Bind group of the frame for a batch.
 pub(crate) fn frame_group(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
@@ -31,23 +33,27 @@ pub(crate) struct LightPass {
 }
 
 impl LightPass {
-    /// `groups` are the layouts of the bind groups 0 to 3; the third is the technique's.
-    pub fn new(
-        gpu: &Gpu,
-        shadow_module: &str,
-        groups: [Option<&wgpu::BindGroupLayout>; 4],
-    ) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu, shadow_module: &str, groups: Groups<'_>) -> Result<Self, RenderError> {
         let module = gpu.shader("light", &[("shadow", shadow_module)])?;
-        Ok(Self { pipeline: gpu.compute_pipeline(&module, "light", &groups) })
+        Ok(Self { pipeline: gpu.compute_pipeline(&module, "light", groups) })
     }
 
-    /// `groups` are bind groups 0 to 2.
-    pub fn encode(&self, recorder: &mut Recorder<'_>, groups: [&wgpu::BindGroup; 3], points: &ShadingPoints) {
+    /// `groups` are those of frame, surface and shadow.
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        [frame, surface, shadow]: [&wgpu::BindGroup; 3],
+        points: &ShadingPoints,
+    ) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        for (i, group) in (0..).zip(groups.into_iter().chain([&points.light_group])) {
-            pass.set_bind_group(i, group, &[]);
-        }
+        let groups = [
+            (layout::GROUP_FRAME, frame),
+            (layout::GROUP_SURFACE, surface),
+            (layout::GROUP_SHADOW, shadow),
+            (layout::GROUP_PASS, &points.light_group),
+        ];
+        set_groups(&mut pass, &groups);
         pass.dispatch_workgroups_indirect(&points.dispatch, 0);
     }
 }

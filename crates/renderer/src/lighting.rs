@@ -27,7 +27,7 @@ pub struct PreparedLighting {
     lights: Vec<DistantLight>,
     probes: Vec<DistantLight>,
     residual: Equirect,
-    full_sh: [[f32; 4]; 9],
+    full_sh: [Vec4; 9],
     background: Vec<Equirect>,
     irradiance_full: RgbImage,
     prefiltered_full: Vec<Equirect>,
@@ -36,7 +36,7 @@ pub struct PreparedLighting {
 
 /// What is made of the ambient rest.
 struct PreparedRest {
-    sh: [[f32; 4]; 9],
+    sh: [Vec4; 9],
     prefiltered: Vec<Equirect>,
 }
 
@@ -88,8 +88,8 @@ pub(crate) struct Lighting {
     fitted: [Vec<DistantLight>; 2],
     /// What stays ambient, and what is made of it.
     residual: Arc<Equirect>,
-    pub residual_sh: [[f32; 4]; 9],
-    pub full_sh: [[f32; 4]; 9],
+    pub residual_sh: [Vec4; 9],
+    pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
     pub background: wgpu::TextureView,
     pub irradiance_full: wgpu::TextureView,
@@ -175,8 +175,8 @@ fn mip_levels(map: &Equirect) -> Vec<Equirect> {
     levels
 }
 
-fn spherical_harmonics(map: &Equirect) -> [[f32; 4]; 9] {
-    Sh9::project(map).coefficients.map(|c| c.extend(0.0).to_array())
+fn spherical_harmonics(map: &Equirect) -> [Vec4; 9] {
+    Sh9::project(map).coefficients.map(|c| c.extend(0.0))
 }
 
 fn prefiltered(map: &Equirect) -> Vec<Equirect> {

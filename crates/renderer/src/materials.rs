@@ -61,11 +61,7 @@ impl Materials {
         let mut bind_groups = Vec::with_capacity(scene.materials.len() + 1);
         let mut buffers = Vec::with_capacity(scene.materials.len() + 1);
         for material in all.clone() {
-            let parameters = gpu.buffer_with(
-                "material",
-                bytemuck::bytes_of(&uniform(material)),
-                wgpu::BufferUsages::UNIFORM,
-            );
+            let parameters = gpu.shared_buffer("material", &uniform(material), wgpu::BufferUsages::UNIFORM);
             for (reference, srgb) in textures(material) {
                 if let Some(id) = reference.map(|reference| reference.texture.0) {
                     uploads[id][usize::from(srgb)]
@@ -93,7 +89,7 @@ impl Materials {
             return false;
         }
         for (material, buffer) in scene.materials.iter().zip(&self.parameters) {
-            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform(material)));
+            gpu.write(buffer, &uniform(material));
         }
         true
     }
@@ -106,12 +102,12 @@ impl Materials {
 
 fn uniform(material: &Material) -> layout::Material {
     let surface = &material.surface;
-    let mut uv_rows = [[0.0; 4]; 12];
+    let mut uv_rows = [Vec4::ZERO; 12];
     for (i, (reference, _)) in textures(material).into_iter().enumerate() {
         let (matrix, set) = reference.map_or(Default::default(), |r| (r.uv_from_mesh, r.set as f32));
         let (x, y, t) = (matrix.matrix2.x_axis, matrix.matrix2.y_axis, matrix.translation);
-        uv_rows[2 * i] = [x.x, y.x, t.x, set];
-        uv_rows[2 * i + 1] = [x.y, y.y, t.y, set];
+        uv_rows[2 * i] = Vec4::new(x.x, y.x, t.x, set);
+        uv_rows[2 * i + 1] = Vec4::new(x.y, y.y, t.y, set);
     }
     // What a model leaves out of a surface has no effect here: a lambertian one reflects only its base colour, the specular colour of
     // the Phong models is that of an interface which reflects everything.
@@ -123,10 +119,10 @@ fn uniform(material: &Material) -> layout::Material {
     let model = if surface.model == Model::Lambert { Model::MetallicRoughness } else { surface.model };
     let has_normal_texture = material.normal_texture.is_some();
     layout::Material {
-        base_color: surface.base_color.extend(material.alpha).to_array(),
-        emissive: material.emissive.to_array(),
+        base_color: surface.base_color.extend(material.alpha),
+        emissive: material.emissive,
         metallic,
-        specular_color: surface.specular_color.to_array(),
+        specular_color: surface.specular_color,
         specular,
         roughness: surface.roughness,
         ior,
@@ -137,8 +133,6 @@ fn uniform(material: &Material) -> layout::Material {
         },
         model: model as u32,
         lobe_parameter: surface.lobe_parameter(),
-        padding_0: 0,
-        padding_1: 0,
         uv_rows,
     }
 }

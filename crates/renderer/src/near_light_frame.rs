@@ -51,27 +51,25 @@ pub(crate) fn near_light_uniform(
     let (across, along) = (tangent * half_extent.x, bitangent * half_extent.y);
     let corners = [-across - along, along - across, across + along, across - along];
     layout::Light {
-        direction: (-axis).to_array(),
+        direction: -axis,
         shape,
-        tangent: tangent.to_array(),
+        tangent,
         angular_radius: if shape == layout::SHAPE_DISK { half_extent.x.atan() } else { 0.0 },
-        bitangent: bitangent.to_array(),
+        bitangent,
         solid_angle: seen_area,
-        radiance: light.radiance.to_array(),
-        padding_2: 0.0,
-        corners: corners.map(|corner| (corner - axis).normalize().extend(0.0).to_array()),
-        light_from_world: light_from_world.to_cols_array_2d(),
+        radiance: light.radiance,
+        corners: corners.map(|corner| (corner - axis).normalize().extend(0.0)),
+        light_from_world,
         map_width_world: map_width,
         depth_range_world: far - near,
         normal_offset_world: normal_offset_texels * map_width / resolution,
         near_world: near,
-        position: light.center.to_array(),
+        position: light.center,
         kind,
-        half_extent: half_extent.to_array(),
+        half_extent,
         role: layout::ROLE_LIGHT,
         caster_deviation_world: 0.0,
-        vector_irradiance: [0.0; 3],
-        padding_1: 0.0,
+        vector_irradiance: Vec3::ZERO,
     }
 }
 
@@ -191,7 +189,7 @@ mod tests {
         for shape in SHAPES {
             let light = lamp(shape, Vec3::new(0.3, 4.0, -0.2));
             let uniform = near_light_uniform(&light, &PlacedBoxes::new(&boxes()), 256, 1.0);
-            let light_from_world = Mat4::from_cols_array_2d(&uniform.light_from_world);
+            let light_from_world = uniform.light_from_world;
             let axis = -Vec3::from_array(uniform.direction);
             for corner in boxes().iter().flat_map(|b| b.corners()) {
                 let p = light_from_world * corner.extend(1.0);
@@ -201,7 +199,7 @@ mod tests {
                 assert!(ndc.truncate().abs().max_element() < 1.0 && ndc.z > 0.0 && ndc.z < 1.0, "{ndc}");
             }
             // A tenth of a metre aside on the plane one metre away.
-            let tangent = Vec3::from_array(uniform.tangent);
+            let tangent = uniform.tangent;
             let step = light_from_world * (light.center + axis + 0.1 * tangent).extend(1.0)
                 - light_from_world * (light.center + axis).extend(1.0);
             assert!((step.x - 0.2 / uniform.map_width_world).abs() < 1e-5);
@@ -217,8 +215,7 @@ mod tests {
                 for boxes in [boxes(), Vec::new()] {
                     let scene = PlacedBoxes::new(&boxes);
                     let uniform = near_light_uniform(&lamp(shape, center), &scene, 64, 1.0);
-                    let numbers: &[f32] = bytemuck::cast_slice(&uniform.light_from_world);
-                    assert!(numbers.iter().all(|v| v.is_finite()), "{shape:?} {center}");
+                    assert!(uniform.light_from_world.is_finite(), "{shape:?} {center}");
                     assert!(uniform.near_world > 0.0 && uniform.depth_range_world > 0.0);
                     assert!(uniform.map_width_world > 0.0 && uniform.map_width_world < 10.0);
                 }

@@ -1,3 +1,5 @@
+use gnomon_shaders::layout;
+
 use crate::bindings::Binding;
 use crate::{Gpu, RenderError, Renderer};
 
@@ -17,12 +19,12 @@ impl Presenter {
     /// [`RenderError::Device`] where the format cannot be drawn into.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self, RenderError> {
         let bindings = [(0, Binding::SAMPLED), (1, Binding::Sampler)];
-        let layout = gpu.layout("present", wgpu::ShaderStages::FRAGMENT, &bindings);
+        let picture = gpu.layout("present", wgpu::ShaderStages::FRAGMENT, &bindings);
         let shader = gpu.shader("present", &[])?;
         let fragment = if format.is_srgb() { "present_decoded" } else { "present_encoded" };
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("present"),
-            layout: Some(&gpu.pipeline_layout(&[Some(&layout)])),
+            layout: Some(&gpu.pipeline_layout(&[(layout::GROUP_PASS, &picture)])),
             vertex: wgpu::VertexState {
                 module: &shader.module,
                 entry_point: Some("present_vertex"),
@@ -47,7 +49,7 @@ impl Presenter {
             ..Default::default()
         });
         gpu.check()?;
-        Ok(Self { gpu: gpu.clone(), layout, pipeline, sampler })
+        Ok(Self { gpu: gpu.clone(), layout: picture, pipeline, sampler })
     }
 
     /// Draws the picture that `renderer` has drawn last over all of `target`, black where there is none yet.
@@ -83,7 +85,7 @@ impl Presenter {
             });
             if let Some(group) = &group {
                 pass.set_pipeline(&self.pipeline);
-                pass.set_bind_group(0, group, &[]);
+                pass.set_bind_group(layout::GROUP_PASS, group, &[]);
                 pass.draw(0..3, 0..1);
             }
         }

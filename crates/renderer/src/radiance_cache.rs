@@ -28,7 +28,7 @@ impl RadianceCache {
     /// A cache of so many texels a side for `lobes`, of which the first [`layout::MAX_CACHED_LOBES`] count, each texel from `samples`
     /// samples of its lobe.
     pub fn new(gpu: &Gpu, mut lobes: Vec<layout::CachedLobe>, resolution: u32, samples: u32) -> Self {
-        lobes.truncate(layout::MAX_CACHED_LOBES);
+        lobes.truncate(layout::MAX_CACHED_LOBES as usize);
         let side = if lobes.is_empty() { 1 } else { resolution };
         let map = |label| {
             let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -37,7 +37,7 @@ impl RadianceCache {
         };
         let maps = [map("cached radiance of f0"), map("cached radiance of f90")];
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        let parameters = gpu.empty_buffer("radiance cache", size_of::<layout::RadianceCache>() as u64, usage);
+        let parameters = gpu.empty_buffer("radiance cache", layout::size::<layout::RadianceCache>(), usage);
         Self { lobes, resolution, samples, parameters, maps }
     }
 
@@ -53,19 +53,18 @@ impl RadianceCache {
     /// Takes the frame's direction to the viewer, and how the environment is turned.
     pub fn write(&self, gpu: &Gpu, to_viewer: Vec3, environment_from_world: Mat4) {
         let (right, up) = to_viewer.any_orthonormal_pair();
-        let mut lobes = [layout::CachedLobe::default(); layout::MAX_CACHED_LOBES];
+        let mut lobes = [layout::CachedLobe::default(); layout::MAX_CACHED_LOBES as usize];
         lobes[..self.lobes.len()].copy_from_slice(&self.lobes);
         let parameters = layout::RadianceCache {
-            right: right.to_array(),
+            right,
             count: self.lobes.len() as u32,
-            up: up.to_array(),
+            up,
             samples: self.samples,
-            to_viewer: to_viewer.to_array(),
-            padding: 0,
-            environment_from_world: environment_from_world.to_cols_array_2d(),
+            to_viewer,
+            environment_from_world,
             lobes,
         };
-        gpu.queue.write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));
+        gpu.write(&self.parameters, &parameters);
     }
 }
 
@@ -73,10 +72,10 @@ impl RadianceCachePass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let written = Binding::StorageTexture { format: FORMAT, dimension: D2_ARRAY };
         let bindings = [(0, Binding::Uniform), (1, Binding::LOADED), (2, written), (3, written)];
-        let layout = gpu.layout("radiance cache", wgpu::ShaderStages::COMPUTE, &bindings);
+        let own = gpu.layout("radiance cache", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = gpu.shader("radiance_cache", &[])?;
-        let pipeline = gpu.compute_pipeline(&module, "fill_cache", &[Some(&layout)]);
-        Ok(Self { layout, pipeline })
+        let pipeline = gpu.compute_pipeline(&module, "fill_cache", &[(layout::GROUP_PASS, &own)]);
+        Ok(Self { layout: own, pipeline })
     }
 
     /// The pass's bind group; `environment` has mip levels.
@@ -102,8 +101,8 @@ impl RadianceCachePass {
         }
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, &[]);
-        let groups = cache.resolution.div_ceil(8);
+        pass.set_bind_group(layout::GROUP_PASS, group, &[]);
+        let groups = cache.resolution.div_ceil(layout::TILE);
         pass.dispatch_workgroups(groups, groups, cache.lobes.len() as u32);
     }
 }

@@ -85,7 +85,6 @@ struct Target {
     size: [u32; 2],
     gbuffer: GBuffer,
     points: ShadingPoints,
-    sample_group: wgpu::BindGroup,
     output: Output,
 }
 
@@ -119,7 +118,7 @@ impl Renderer {
         let scene = Scene::default();
         let view = gpu.empty_buffer(
             "view",
-            size_of::<layout::View>() as u64,
+            layout::size::<layout::View>(),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         );
         let view_group = passes.gbuffer.view_group(gpu, &view);
@@ -280,8 +279,11 @@ impl Renderer {
                 self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
             }
             recorder.end_pass("radiance cache")?;
-            let groups =
-                [&lit.environment.compose, gbuffer_group, &target.points.compose_group, &target.sample_group];
+            let groups = [
+                (layout::GROUP_FRAME, &lit.environment.compose),
+                (layout::GROUP_SURFACE, gbuffer_group),
+                (layout::GROUP_PASS, &target.points.compose_group),
+            ];
             self.passes.compose.encode(&mut recorder, groups, sample_size);
             recorder.end_pass("compose")?;
         }
@@ -301,22 +303,20 @@ impl Renderer {
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
         let view = layout::View {
-            clip_from_world: matrices.clip_from_world.to_cols_array_2d(),
-            world_from_clip: matrices.world_from_clip.to_cols_array_2d(),
-            eye_world: matrices.eye_world.to_array(),
-            size: [width, height],
+            clip_from_world: matrices.clip_from_world,
+            world_from_clip: matrices.world_from_clip,
+            eye_world: matrices.eye_world,
+            size: [width, height].into(),
             flags: flag(self.settings.display.background, layout::FLAG_BACKGROUND)
                 | flag(self.unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
             shadow_sampling: self.settings.techniques.shadow_sampling,
             sample_extent: matrices.view_width / width as f32,
             interleave,
-            padding_0: 0.0,
-            padding_1: 0.0,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
-            environment_from_world: environment_from_world.to_cols_array_2d(),
+            environment_from_world,
         };
-        self.gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        self.gpu.write(&self.view, &view);
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
         self.cache.write(&self.gpu, to_viewer, environment_from_world);
         let offset = self.settings.techniques.normal_offset;
@@ -335,8 +335,12 @@ impl Renderer {
         Ok(Target {
             size,
             gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.techniques.supersample),
-            points: self.passes.points.points(gpu, sample_size, self.settings.techniques.shadow_sampling)?,
-            sample_group: self.passes.compose.output_group(gpu, &samples),
+            points: self.passes.points.points(
+                gpu,
+                sample_size,
+                self.settings.techniques.shadow_sampling,
+                &samples,
+            )?,
             output: self.passes.resolve.output(gpu, &samples, size),
         })
     }

@@ -26,7 +26,7 @@ pub(crate) struct ResolvePass {
 impl ResolvePass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let written = |format| Binding::StorageTexture { format, dimension: D2 };
-        let layout = gpu.layout(
+        let own = gpu.layout(
             "resolve",
             wgpu::ShaderStages::COMPUTE,
             &[
@@ -36,8 +36,9 @@ impl ResolvePass {
                 (3, written(DISPLAY_FORMAT)),
             ],
         );
-        let pipeline = gpu.compute_pipeline(&gpu.shader("resolve", &[])?, "resolve", &[Some(&layout)]);
-        Ok(Self { layout, pipeline })
+        let pipeline =
+            gpu.compute_pipeline(&gpu.shader("resolve", &[])?, "resolve", &[(layout::GROUP_PASS, &own)]);
+        Ok(Self { layout: own, pipeline })
     }
 
     /// Textures for pictures of `size` pixels, made from `samples`.
@@ -49,7 +50,7 @@ impl ResolvePass {
         let radiance = gpu.texture("radiance", [width, height, 1], 1, RADIANCE_FORMAT, usage);
         let display = gpu.texture("display", [width, height, 1], 1, DISPLAY_FORMAT, usage);
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        let parameters = gpu.empty_buffer("resolve", size_of::<layout::ResolveParameters>() as u64, uniform);
+        let parameters = gpu.empty_buffer("resolve", layout::size::<layout::ResolveParameters>(), uniform);
         let (radiance_view, display_view) =
             (radiance.create_view(&Default::default()), display.create_view(&Default::default()));
         let bind_group = gpu.bind_group(
@@ -77,16 +78,15 @@ impl ResolvePass {
             samples,
             exposure: gnomon_picture::tonemap::exposure_scale(exposure_ev),
             tone_mapping: match tone_mapping {
-                ToneMapping::Linear => 0,
-                ToneMapping::Neutral => 1,
+                ToneMapping::Linear => layout::TONE_LINEAR,
+                ToneMapping::Neutral => layout::TONE_NEUTRAL,
             },
-            padding: 0,
         };
-        recorder.gpu.queue.write_buffer(&output.parameters, 0, bytemuck::bytes_of(&parameters));
+        recorder.gpu.write(&output.parameters, &parameters);
         let [width, height] = output.size;
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &output.bind_group, &[]);
-        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        pass.set_bind_group(layout::GROUP_PASS, &output.bind_group, &[]);
+        pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
     }
 }

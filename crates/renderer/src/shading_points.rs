@@ -1,6 +1,7 @@
 use gnomon_shaders::layout;
 
-use crate::bindings::Binding;
+use crate::bindings::{Binding, D2, set_groups};
+use crate::compose::RADIANCE_FORMAT;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -9,9 +10,9 @@ use crate::{Gpu, RenderError};
 pub(crate) struct ShadingPoints {
     /// Bind group of the passes that list points.
     list_group: wgpu::BindGroup,
-    /// Bind group 3 of the pass that sums light.
+    /// Own bind group of the pass that sums light.
     pub light_group: wgpu::BindGroup,
-    /// Bind group 2 of the pass that makes a picture.
+    /// Own bind group of the passes that make a picture of the sums.
     pub compose_group: wgpu::BindGroup,
     /// Arguments of an indirect dispatch over all points.
     pub dispatch: wgpu::Buffer,
@@ -35,7 +36,7 @@ pub(crate) fn sum_bytes(sample_size: [u32; 2], sampling: u32) -> u64 {
     let [width, height] = sample_size.map(u64::from);
     let side = u64::from(sampling);
     let tiles = width.div_ceil(side) * height.div_ceil(side);
-    capacity(width * height, tiles, sampling) * size_of::<layout::LightSums>() as u64
+    capacity(width * height, tiles, sampling) * layout::size::<layout::LightSums>()
 }
 
 /// Room for points: all samples where each has its own, else every tile's and those of every second sample.
@@ -51,16 +52,21 @@ impl ShadingPointsPass {
     ) -> Result<Self, RenderError> {
         let written = Binding::Storage { read_only: false };
         let read = Binding::Storage { read_only: true };
-        let layout = |label, bindings: &[Binding]| {
-            let numbered: Vec<_> = (0..).zip(bindings.iter().copied()).collect();
-            gpu.layout(label, wgpu::ShaderStages::COMPUTE, &numbered)
+        let numbered = |label, bindings: &[Binding]| {
+            let bindings: Vec<_> = (0..).zip(bindings.iter().copied()).collect();
+            gpu.layout(label, wgpu::ShaderStages::COMPUTE, &bindings)
         };
-        let list_layout = layout("shading points", &[written; 5]);
+        let list_layout = numbered("shading points", &[written; 5]);
         let module = gpu.shader("shading_points", &[])?;
-        let groups = [Some(view_layout), Some(gbuffer_layout), Some(&list_layout)];
+        let picture = Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 };
+        let groups = [
+            (layout::GROUP_FRAME, view_layout),
+            (layout::GROUP_SURFACE, gbuffer_layout),
+            (layout::GROUP_PASS, &list_layout),
+        ];
         Ok(Self {
-            light_layout: layout("sums of light", &[read, read, written]),
-            compose_layout: layout("sums to compose", &[read; 4]),
+            light_layout: numbered("sums of light", &[read, read, written]),
+            compose_layout: numbered("sums to compose", &[read, read, read, read, picture]),
             choose: gpu.compute_pipeline(&module, "choose", &groups),
             refine: gpu.compute_pipeline(&module, "refine", &groups),
             dispatch_size: gpu.compute_pipeline(&module, "dispatch_size", &groups),
@@ -68,7 +74,7 @@ impl ShadingPointsPass {
         })
     }
 
-    /// Buffers for a picture of `sample_size` samples.
+    /// Buffers for a picture of `sample_size` samples, which becomes `radiance`.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter allows no buffer that large.
@@ -77,6 +83,7 @@ impl ShadingPointsPass {
         gpu: &Gpu,
         sample_size: [u32; 2],
         sampling: u32,
+        radiance: &wgpu::TextureView,
     ) -> Result<ShadingPoints, RenderError> {
         let [width, height] = sample_size.map(u64::from);
         let side = u64::from(sampling);
@@ -93,7 +100,7 @@ impl ShadingPointsPass {
             });
         }
         let storage = wgpu::BufferUsages::STORAGE;
-        let point_bytes = capacity * size_of::<layout::ShadingPoint>() as u64;
+        let point_bytes = capacity * layout::size::<layout::ShadingPoint>();
         let points = gpu.empty_buffer("shading points", point_bytes, storage);
         let count = gpu.empty_buffer("number of points", 4, storage | wgpu::BufferUsages::COPY_DST);
         let point_of_tile = gpu.empty_buffer("points of tiles", 4 * tiles, storage);
@@ -101,21 +108,24 @@ impl ShadingPointsPass {
         let point_of_sample = gpu.empty_buffer("points of samples", 4 * own, storage);
         let dispatch = gpu.empty_buffer("dispatch", 16, storage | wgpu::BufferUsages::INDIRECT);
         let sums = gpu.empty_buffer("sums of light", sum_bytes, storage);
-        let group = |label, layout, buffers: &[&wgpu::Buffer]| {
-            let bound: Vec<_> = (0..).zip(buffers.iter().map(|buffer| buffer.as_entire_binding())).collect();
-            gpu.bind_group(label, layout, &bound)
+        let group = |label, layout, buffers: &[&wgpu::Buffer], written: Option<&wgpu::TextureView>| {
+            let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
+            let written = written.map(wgpu::BindingResource::TextureView);
+            gpu.bind_group(label, layout, &(0..).zip(buffers.chain(written)).collect::<Vec<_>>())
         };
         Ok(ShadingPoints {
             list_group: group(
                 "shading points",
                 &self.list_layout,
                 &[&points, &count, &point_of_tile, &point_of_sample, &dispatch],
+                None,
             ),
-            light_group: group("sums of light", &self.light_layout, &[&points, &dispatch, &sums]),
+            light_group: group("sums of light", &self.light_layout, &[&points, &dispatch, &sums], None),
             compose_group: group(
                 "sums to compose",
                 &self.compose_layout,
                 &[&points, &point_of_tile, &point_of_sample, &sums],
+                Some(radiance),
             ),
             dispatch,
             count,
@@ -133,16 +143,19 @@ impl ShadingPointsPass {
     ) {
         recorder.encoder.clear_buffer(&points.count, 0, None);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        for (i, group) in (0..).zip([view_group, gbuffer_group, &points.list_group]) {
-            pass.set_bind_group(i, group, &[]);
-        }
+        let groups = [
+            (layout::GROUP_FRAME, view_group),
+            (layout::GROUP_SURFACE, gbuffer_group),
+            (layout::GROUP_PASS, &points.list_group),
+        ];
+        set_groups(&mut pass, &groups);
         let [tile_columns, tile_rows] = points.sample_size.map(|side| side.div_ceil(points.sampling));
         pass.set_pipeline(&self.choose);
-        pass.dispatch_workgroups(tile_columns.div_ceil(8), tile_rows.div_ceil(8), 1);
+        pass.dispatch_workgroups(tile_columns.div_ceil(layout::TILE), tile_rows.div_ceil(layout::TILE), 1);
         if points.sampling > 1 {
             let [width, height] = points.sample_size;
             pass.set_pipeline(&self.refine);
-            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+            pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
         }
         pass.set_pipeline(&self.dispatch_size);
         pass.dispatch_workgroups(1, 1, 1);

@@ -145,7 +145,7 @@ impl ShadowBatches {
         self.classes.first().map(|class| class.shadows.layout())
     }
 
-    /// Bind group 0 of every batch.
+    /// Bind group of the frame for every batch.
     pub fn frame_groups(
         &self,
         gpu: &Gpu,
@@ -186,7 +186,7 @@ impl ShadowBatches {
                 Some(_) => (0, 0),
             };
             let parameters = Batch::parameters(first, end, i == 0);
-            gpu.queue.write_buffer(&batch.parameters, 0, bytemuck::bytes_of(&parameters));
+            gpu.write(&batch.parameters, &parameters);
         }
     }
 
@@ -226,7 +226,7 @@ impl ShadowBatches {
                 (uniform, MapView { is_perspective, indices: drawn.indices })
             });
             let (lights, views): (Vec<layout::Light>, Vec<MapView>) = fitted.unzip();
-            gpu.queue.write_buffer(&batch.lights, 0, bytemuck::cast_slice(&lights));
+            gpu.write(&batch.lights, lights.as_slice());
             views
         };
         self.batches.iter().map(of_batch).collect()
@@ -296,18 +296,17 @@ impl Batch {
     fn new(gpu: &Gpu, pass: &ShadowMapPass, class: usize, members: Vec<usize>, first: bool) -> Self {
         let lights = gpu.empty_buffer(
             "lights",
-            size_of::<layout::Light>() as u64 * u64::from(layout::MAX_BATCH_LIGHTS),
+            layout::size::<layout::Light>() * u64::from(layout::MAX_BATCH_LIGHTS),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         );
         let parameters = Self::parameters(0, members.len() as u32, first);
-        let parameters =
-            gpu.buffer_with("batch", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
+        let parameters = gpu.shared_buffer("batch", &parameters, wgpu::BufferUsages::UNIFORM);
         let lights_group = pass.lights_group(gpu, &lights);
         Self { class, members, lights, parameters, lights_group }
     }
 
     fn parameters(first_light: u32, end_light: u32, first: bool) -> layout::Batch {
         let flags = if first { layout::FLAG_FIRST } else { 0 };
-        layout::Batch { first_light, end_light, flags, padding_0: 0 }
+        layout::Batch { first_light, end_light, flags }
     }
 }

@@ -54,7 +54,7 @@ fn evaluate(gpu: &Gpu, module: &str, body: &str, inputs: &[[Vec4; 2]]) -> Vec<Ve
     });
     let bindings = [(0, Binding::Storage { read_only: true }), (1, Binding::Storage { read_only: false })];
     let layout = gpu.layout("twin", wgpu::ShaderStages::COMPUTE, &bindings);
-    let pipeline = gpu.new_compute_pipeline(&shader, "twin", &[Some(&layout)]);
+    let pipeline = gpu.new_compute_pipeline(&shader, "twin", &[(0, &layout)]);
     let input = gpu.buffer_with("inputs", bytemuck::cast_slice(inputs), wgpu::BufferUsages::STORAGE);
     let size = 16 * inputs.len() as u64;
     let output =

@@ -30,11 +30,7 @@ impl Unshadowed {
                 Model::MetallicRoughness => self.caches_ggx,
                 _ => true,
             };
-            let lobe = CachedLobe {
-                model: surface.model as u32,
-                parameter: surface.lobe_parameter(),
-                ..Default::default()
-            };
+            let lobe = CachedLobe { model: surface.model as u32, parameter: surface.lobe_parameter() };
             if cached && !surface.is_matte() && !lobes.contains(&lobe) {
                 lobes.push(lobe);
             }

@@ -98,7 +98,6 @@ const MODULES: &[(&str, &str)] = sources![
     "summed_area",
     "tonemap",
     "transform",
-    "types",
     "view",
     "weighted_box",
 ];
@@ -140,9 +139,19 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "transform", slots: &[] },
 ];
 
+/// Module of what [`crate::layout`] declares.
+const TYPES: &str = "types";
+
 /// Names of all modules.
 pub fn modules() -> impl Iterator<Item = &'static str> {
-    MODULES.iter().map(|(name, _)| *name)
+    MODULES.iter().map(|(name, _)| *name).chain([TYPES])
+}
+
+fn source(module: &str) -> Option<&'static str> {
+    if module == TYPES {
+        return Some(crate::layout::MODULE.as_str());
+    }
+    MODULES.iter().find(|(name, _)| *name == module).map(|(_, source)| *source)
 }
 
 /// The WGSL of `module` with everything it imports before it, each module once.
@@ -165,8 +174,9 @@ impl Resolver<'_> {
         if !self.done.insert(module.to_owned()) {
             return Ok(());
         }
-        let (_, source) = MODULES.iter().find(|(name, _)| *name == module).ok_or_else(|| {
-            ShaderError::UnknownModule { module: module.to_owned(), importer: importer.to_owned() }
+        let source = source(module).ok_or_else(|| ShaderError::UnknownModule {
+            module: module.to_owned(),
+            importer: importer.to_owned(),
         })?;
         let mut body = String::new();
         for line in source.lines() {

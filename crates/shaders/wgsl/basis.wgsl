@@ -4,16 +4,16 @@
 // Basis images of all lights' shadow maps: B_k = sin(c_k z), cos(c_k z), and the CSM-Z images z B_k (Annen et al. 2008,
 // section 3.2). Layer `light * groups + group` holds terms 4 group + 1 .. 4 group + 4.
 
-@group(0) @binding(0) var<uniform> parameters: ConvolutionParameters;
-@group(0) @binding(1) var depth_maps: texture_depth_2d_array;
-@group(0) @binding(2) var basis_sin: texture_storage_2d_array<rgba16float, write>;
-@group(0) @binding(3) var basis_cos: texture_storage_2d_array<rgba16float, write>;
-@group(0) @binding(4) var basis_z_sin: texture_storage_2d_array<rgba16float, write>;
-@group(0) @binding(5) var basis_z_cos: texture_storage_2d_array<rgba16float, write>;
+@group(GROUP_PASS) @binding(0) var<uniform> parameters: ConvolutionParameters;
+@group(GROUP_PASS) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(GROUP_PASS) @binding(2) var basis_sin: texture_storage_2d_array<rgba16float, write>;
+@group(GROUP_PASS) @binding(3) var basis_cos: texture_storage_2d_array<rgba16float, write>;
+@group(GROUP_PASS) @binding(4) var basis_z_sin: texture_storage_2d_array<rgba16float, write>;
+@group(GROUP_PASS) @binding(5) var basis_z_cos: texture_storage_2d_array<rgba16float, write>;
 
-@group(1) @binding(0) var linear_depth: texture_storage_2d_array<r32float, write>;
+@group(GROUP_PASS) @binding(6) var linear_depth: texture_storage_2d_array<r32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn basis(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(depth_maps)) {
         return;
@@ -28,7 +28,7 @@ fn basis(@builtin(global_invocation_id) id: vec3u) {
     textureStore(basis_z_cos, id.xy, id.z, z * phases[0]);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn basis_depth(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(depth_maps)) {
         return;

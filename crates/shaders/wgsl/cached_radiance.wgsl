@@ -4,9 +4,9 @@
 
 // Lookups in the radiance cache.
 
-@group(0) @binding(6) var<uniform> cache: RadianceCache;
-@group(0) @binding(7) var cached_f0: texture_2d_array<f32>;
-@group(0) @binding(8) var cached_f90: texture_2d_array<f32>;
+@group(GROUP_FRAME) @binding(6) var<uniform> cache: RadianceCache;
+@group(GROUP_FRAME) @binding(7) var cached_f0: texture_2d_array<f32>;
+@group(GROUP_FRAME) @binding(8) var cached_f90: texture_2d_array<f32>;
 
 // The layer of the lobe of a model whose parameter is nearest in ratio, or -1.
 fn cached_lobe(model: u32, parameter: f32) -> i32 {

@@ -8,10 +8,7 @@
 
 // Radiance of every sample: unshadowed light, what the lights' sums make of it, emission; or the environment itself.
 
-@group(3) @binding(0) var radiance: texture_storage_2d<rgba32float, write>;
-
-const FLAG_BACKGROUND: u32 = 1u;
-const FLAG_SPHERICAL_HARMONICS: u32 = 2u;
+@group(GROUP_PASS) @binding(4) var radiance: texture_storage_2d<rgba32float, write>;
 
 // Irradiance of the whole environment on a normal in its frame, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {
@@ -21,7 +18,7 @@ fn full_irradiance(n: vec3f) -> vec3f {
     return equirect_lookup(irradiance_full, n, 0);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn compose(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= view.size) {
         return;

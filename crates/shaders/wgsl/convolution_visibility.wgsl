@@ -8,15 +8,15 @@
 // height of the box that it stands for, as shares of the map's side, and `filtered(image, uv, layer, kernel, unblocked)`, the
 // mean over the kernel, with the value of a texel that nothing blocks.
 
-@group(2) @binding(0) var<uniform> parameters: ConvolutionParameters;
-@group(2) @binding(1) var basis_sin: texture_2d_array<f32>;
-@group(2) @binding(2) var basis_cos: texture_2d_array<f32>;
-@group(2) @binding(3) var basis_z_sin: texture_2d_array<f32>;
-@group(2) @binding(4) var basis_z_cos: texture_2d_array<f32>;
-@group(2) @binding(5) var linear_depth: texture_2d_array<f32>;
-@group(2) @binding(6) var trilinear: sampler;
-@group(2) @binding(7) var depth_maps: texture_depth_2d_array;
-@group(2) @binding(8) var gathering: sampler;
+@group(GROUP_SHADOW) @binding(0) var<uniform> parameters: ConvolutionParameters;
+@group(GROUP_SHADOW) @binding(1) var basis_sin: texture_2d_array<f32>;
+@group(GROUP_SHADOW) @binding(2) var basis_cos: texture_2d_array<f32>;
+@group(GROUP_SHADOW) @binding(3) var basis_z_sin: texture_2d_array<f32>;
+@group(GROUP_SHADOW) @binding(4) var basis_z_cos: texture_2d_array<f32>;
+@group(GROUP_SHADOW) @binding(5) var linear_depth: texture_2d_array<f32>;
+@group(GROUP_SHADOW) @binding(6) var trilinear: sampler;
+@group(GROUP_SHADOW) @binding(7) var depth_maps: texture_depth_2d_array;
+@group(GROUP_SHADOW) @binding(8) var gathering: sampler;
 
 // Of the first kernel: less than this is blocked nowhere, up to the ringing of the series.
 const FULLY_LIT: f32 = 0.995;

@@ -5,21 +5,12 @@
 
 // What a frame is made of, in place of the picture: values as they are to be displayed, linear.
 
-const VIEW_NORMALS: u32 = 1u;
-const VIEW_DEPTH: u32 = 2u;
-const VIEW_BASE_COLOR: u32 = 3u;
-const VIEW_SHADOW_BUFFER: u32 = 4u;
-const VIEW_VISIBILITY: u32 = 5u;
-const VIEW_SHADOW_MAP: u32 = 6u;
-const VIEW_LIGHTS: u32 = 7u;
-const VIEW_POINTS: u32 = 8u;
+@group(GROUP_FRAME) @binding(1) var<uniform> parameters: DebugParameters;
+@group(GROUP_FRAME) @binding(2) var background: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(3) var depth_maps: texture_depth_2d_array;
+@group(GROUP_FRAME) @binding(4) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
 
-@group(0) @binding(1) var<uniform> parameters: DebugParameters;
-@group(0) @binding(2) var background: texture_2d<f32>;
-@group(0) @binding(3) var depth_maps: texture_depth_2d_array;
-@group(0) @binding(4) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
-
-@group(3) @binding(0) var picture: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(4) var picture: texture_storage_2d<rgba32float, write>;
 
 // Around what is shown, and where there is nothing to show.
 const EMPTY: vec3f = vec3f(0.01, 0.012, 0.016);
@@ -173,7 +164,7 @@ fn lights_view(id: vec2u) {
     }
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn debug_view(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= view.size) {
         return;

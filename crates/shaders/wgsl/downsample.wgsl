@@ -1,11 +1,13 @@
+#import types
+
 // One mip level from the one above it, all layers of one texture at once, through the kernel [1 3 3 1] / 8 each way. Texels of
 // a 2 x 2 box do not overlap, and the width of an edge seen through them would depend on where it falls.
 
-@group(0) @binding(0) var fine: texture_2d_array<f32>;
-@group(0) @binding(1) var coarse_rgba16: texture_storage_2d_array<rgba16float, write>;
-@group(0) @binding(2) var coarse_r32: texture_storage_2d_array<r32float, write>;
-@group(0) @binding(3) var bilinear: sampler;
-@group(0) @binding(4) var coarse_rgba32: texture_storage_2d_array<rgba32float, write>;
+@group(GROUP_PASS) @binding(0) var fine: texture_2d_array<f32>;
+@group(GROUP_PASS) @binding(1) var coarse_rgba16: texture_storage_2d_array<rgba16float, write>;
+@group(GROUP_PASS) @binding(2) var coarse_r32: texture_storage_2d_array<r32float, write>;
+@group(GROUP_PASS) @binding(3) var bilinear: sampler;
+@group(GROUP_PASS) @binding(4) var coarse_rgba32: texture_storage_2d_array<rgba32float, write>;
 
 fn filtered(texel: vec2u, layer: u32) -> vec4f {
     let size = vec2f(textureDimensions(fine));
@@ -20,21 +22,21 @@ fn filtered(texel: vec2u, layer: u32) -> vec4f {
             + textureSampleLevel(fine, bilinear, high, layer, 0.0));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn downsample_rgba16(@builtin(global_invocation_id) id: vec3u) {
     if all(id.xy < textureDimensions(coarse_rgba16)) {
         textureStore(coarse_rgba16, id.xy, id.z, filtered(id.xy, id.z));
     }
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn downsample_r32(@builtin(global_invocation_id) id: vec3u) {
     if all(id.xy < textureDimensions(coarse_r32)) {
         textureStore(coarse_r32, id.xy, id.z, filtered(id.xy, id.z));
     }
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn downsample_rgba32(@builtin(global_invocation_id) id: vec3u) {
     if all(id.xy < textureDimensions(coarse_rgba32)) {
         textureStore(coarse_rgba32, id.xy, id.z, filtered(id.xy, id.z));

@@ -2,17 +2,17 @@
 #import equirect_texture
 #import prefiltered
 
-// Group 0 of the pass that makes a picture of the sums.
+// The frame of the pass that makes a picture of the sums: the environment.
 
 // The whole environment as the camera sees it, with mip levels.
-@group(0) @binding(1) var background: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(1) var background: texture_2d<f32>;
 // Irradiance of the whole environment over the sphere of normals.
-@group(0) @binding(2) var irradiance_full: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(2) var irradiance_full: texture_2d<f32>;
 // GGX-prefiltered radiance, levels as in prefiltered.wgsl: whole environment, residual.
-@group(0) @binding(3) var prefiltered_full: texture_2d<f32>;
-@group(0) @binding(4) var prefiltered_residual: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(3) var prefiltered_full: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(4) var prefiltered_residual: texture_2d<f32>;
 // Scale and bias of f0 in the environment BRDF (Karis 2013) over (n.v, roughness).
-@group(0) @binding(5) var dfg_table: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(5) var dfg_table: texture_2d<f32>;
 
 // A direction of the world in the frame that the maps and coefficients are in.
 fn environment_direction(direction_world: vec3f) -> vec3f {

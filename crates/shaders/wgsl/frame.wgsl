@@ -1,7 +1,7 @@
 #import view
 
-// Group 0 of the pass that sums light.
+// The frame of the pass that sums light: a batch of lights.
 
 // Uniform, because every sample of the picture reads the same light at a time.
-@group(0) @binding(1) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
-@group(0) @binding(2) var<uniform> batch: Batch;
+@group(GROUP_FRAME) @binding(1) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
+@group(GROUP_FRAME) @binding(2) var<uniform> batch: Batch;

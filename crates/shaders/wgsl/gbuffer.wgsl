@@ -4,19 +4,19 @@
 
 // What is seen through every sample of the picture: normals, reflectance, emission. No light here.
 
-@group(1) @binding(0) var<uniform> material: Material;
-@group(1) @binding(1) var base_color_texture: texture_2d<f32>;
-@group(1) @binding(2) var base_color_sampler: sampler;
-@group(1) @binding(3) var metallic_roughness_texture: texture_2d<f32>;
-@group(1) @binding(4) var metallic_roughness_sampler: sampler;
-@group(1) @binding(5) var normal_texture: texture_2d<f32>;
-@group(1) @binding(6) var normal_sampler: sampler;
-@group(1) @binding(7) var specular_texture: texture_2d<f32>;
-@group(1) @binding(8) var specular_sampler: sampler;
-@group(1) @binding(9) var specular_color_texture: texture_2d<f32>;
-@group(1) @binding(10) var specular_color_sampler: sampler;
-@group(1) @binding(11) var emissive_texture: texture_2d<f32>;
-@group(1) @binding(12) var emissive_sampler: sampler;
+@group(GROUP_SURFACE) @binding(0) var<uniform> material: Material;
+@group(GROUP_SURFACE) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(2) var base_color_sampler: sampler;
+@group(GROUP_SURFACE) @binding(3) var metallic_roughness_texture: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(4) var metallic_roughness_sampler: sampler;
+@group(GROUP_SURFACE) @binding(5) var normal_texture: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(6) var normal_sampler: sampler;
+@group(GROUP_SURFACE) @binding(7) var specular_texture: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(8) var specular_sampler: sampler;
+@group(GROUP_SURFACE) @binding(9) var specular_color_texture: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(10) var specular_color_sampler: sampler;
+@group(GROUP_SURFACE) @binding(11) var emissive_texture: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(12) var emissive_sampler: sampler;
 
 struct Vertex {
     @location(0) position_world: vec4f,

@@ -1,13 +1,13 @@
 #import sample_places
 #import brdf_reflectance
 
-// Group 1 of every pass over the screen: what is seen through the samples of the picture.
+// What is seen through the samples of the picture.
 
-@group(1) @binding(0) var gbuffer_depth: texture_depth_2d;
-@group(1) @binding(1) var gbuffer_normals: texture_2d<f32>;
-@group(1) @binding(2) var gbuffer_base_color_metallic: texture_2d<f32>;
-@group(1) @binding(3) var gbuffer_f0_f90: texture_2d<f32>;
-@group(1) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(0) var gbuffer_depth: texture_depth_2d;
+@group(GROUP_SURFACE) @binding(1) var gbuffer_normals: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(2) var gbuffer_base_color_metallic: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(3) var gbuffer_f0_f90: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
 
 struct Surface {
     position_world: vec3f,

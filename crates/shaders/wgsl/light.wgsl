@@ -5,10 +5,10 @@
 
 // Sums a batch of lights with their visibility at every shading point.
 
-@group(3) @binding(0) var<storage, read> points: array<ShadingPoint>;
+@group(GROUP_PASS) @binding(0) var<storage, read> points: array<ShadingPoint>;
 // Workgroups of this dispatch (x, y), and number of points (w).
-@group(3) @binding(1) var<storage, read> dispatch: vec4u;
-@group(3) @binding(2) var<storage, read_write> light_sums: array<LightSums>;
+@group(GROUP_PASS) @binding(1) var<storage, read> dispatch: vec4u;
+@group(GROUP_PASS) @binding(2) var<storage, read_write> light_sums: array<LightSums>;
 
 @compute @workgroup_size(LIGHT_WORKGROUP)
 fn light(

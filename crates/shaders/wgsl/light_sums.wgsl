@@ -1,12 +1,12 @@
 #import gbuffer_surface
 #import shadow_buffer
 
-// Group 2 of the passes that make a picture of the sums.
+// Inputs of the passes that make a picture of the sums; their output is binding 4.
 
-@group(2) @binding(0) var<storage, read> points: array<ShadingPoint>;
-@group(2) @binding(1) var<storage, read> point_of_tile: array<u32>;
-@group(2) @binding(2) var<storage, read> point_of_sample: array<u32>;
-@group(2) @binding(3) var<storage, read> light_sums: array<LightSums>;
+@group(GROUP_PASS) @binding(0) var<storage, read> points: array<ShadingPoint>;
+@group(GROUP_PASS) @binding(1) var<storage, read> point_of_tile: array<u32>;
+@group(GROUP_PASS) @binding(2) var<storage, read> point_of_sample: array<u32>;
+@group(GROUP_PASS) @binding(3) var<storage, read> light_sums: array<LightSums>;
 
 fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
     (*sums).diffuse_unshadowed += weight * more.diffuse_unshadowed;

@@ -3,10 +3,10 @@
 
 // Moments of all lights' shadow maps.
 
-@group(1) @binding(0) var depth_maps: texture_depth_2d_array;
-@group(1) @binding(1) var moment_maps: texture_storage_2d_array<rgba32float, write>;
+@group(GROUP_PASS) @binding(0) var depth_maps: texture_depth_2d_array;
+@group(GROUP_PASS) @binding(1) var moment_maps: texture_storage_2d_array<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn moments(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(depth_maps)) {
         return;

@@ -1,9 +1,10 @@
+#import types
 #import tonemap
 
 // A finished picture over a whole window. A surface cannot be written by a compute pass on every driver.
 
-@group(0) @binding(0) var picture: texture_2d<f32>;
-@group(0) @binding(1) var picture_sampler: sampler;
+@group(GROUP_PASS) @binding(0) var picture: texture_2d<f32>;
+@group(GROUP_PASS) @binding(1) var picture_sampler: sampler;
 
 struct Corner {
     @builtin(position) position_clip: vec4f,

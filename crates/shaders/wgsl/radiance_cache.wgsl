@@ -8,13 +8,13 @@
 // that faces a viewer in the cache's direction. Filtered importance sampling (Krivanek and Colbert 2008): few samples of the
 // lobe, each reads the environment's mip level that has about as many texels as the sphere has samples of its density.
 
-@group(0) @binding(0) var<uniform> cache: RadianceCache;
-@group(0) @binding(1) var environment: texture_2d<f32>;
+@group(GROUP_PASS) @binding(0) var<uniform> cache: RadianceCache;
+@group(GROUP_PASS) @binding(1) var environment: texture_2d<f32>;
 // Shares that Schlick's f0 and f90 weigh, a layer a lobe.
-@group(0) @binding(2) var radiance_f0: texture_storage_2d_array<rgba32float, write>;
-@group(0) @binding(3) var radiance_f90: texture_storage_2d_array<rgba32float, write>;
+@group(GROUP_PASS) @binding(2) var radiance_f0: texture_storage_2d_array<rgba32float, write>;
+@group(GROUP_PASS) @binding(3) var radiance_f90: texture_storage_2d_array<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn fill_cache(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(radiance_f0);
     if any(id.xy >= size) {

@@ -4,11 +4,11 @@
 // The points that lights are summed at: one for every tile of `view.shadow_sampling` x `view.shadow_sampling` samples, and
 // then every sample that none of the tiles around it stands for. With tiles of one sample these are all samples that show a surface.
 
-@group(2) @binding(0) var<storage, read_write> points: array<ShadingPoint>;
-@group(2) @binding(1) var<storage, read_write> count: atomic<u32>;
-@group(2) @binding(2) var<storage, read_write> point_of_tile: array<u32>;
-@group(2) @binding(3) var<storage, read_write> point_of_sample: array<u32>;
-@group(2) @binding(4) var<storage, read_write> dispatch: array<u32, 4>;
+@group(GROUP_PASS) @binding(0) var<storage, read_write> points: array<ShadingPoint>;
+@group(GROUP_PASS) @binding(1) var<storage, read_write> count: atomic<u32>;
+@group(GROUP_PASS) @binding(2) var<storage, read_write> point_of_tile: array<u32>;
+@group(GROUP_PASS) @binding(3) var<storage, read_write> point_of_sample: array<u32>;
+@group(GROUP_PASS) @binding(4) var<storage, read_write> dispatch: array<u32, 4>;
 
 // Places in a tile that may show a surface where its centre does not.
 const CANDIDATES: u32 = 16u;
@@ -33,11 +33,11 @@ fn append(wanted: bool, local: u32, sample: vec2u, depth: f32) -> u32 {
         return NO_POINT;
     }
     points[place] =
-        ShadingPoint(position_at(sample, depth), sample.y * view.size.x + sample.x, normal_at(sample), 0u);
+        ShadingPoint(position_at(sample, depth), sample.y * view.size.x + sample.x, normal_at(sample));
     return place;
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn choose(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     let side = view.shadow_sampling;
     let tiles = (view.size + side - 1u) / side;
@@ -76,7 +76,7 @@ fn is_represented(sample: vec2u, position_world: vec3f, n: vec3f) -> bool {
     return sum >= RESAMPLE_MIN_WEIGHT;
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(TILE, TILE)
 fn refine(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     let inside = all(id.xy < view.size);
     var depth = 0.0;

@@ -3,8 +3,8 @@
 // Projective shadow map with a z-buffer test from the light's centre (Williams 1978; Heidrich 2001, section 2): both depths as
 // the z-buffer stores them.
 
-@group(2) @binding(0) var<uniform> hard_parameters: HardParameters;
-@group(2) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(GROUP_SHADOW) @binding(0) var<uniform> hard_parameters: HardParameters;
+@group(GROUP_SHADOW) @binding(1) var depth_maps: texture_depth_2d_array;
 
 fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let receiver = receiver_in_light(light, position_world, normal_world);

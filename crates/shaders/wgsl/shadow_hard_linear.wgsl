@@ -3,8 +3,8 @@
 // Shadow map of linear depth, compared by subtraction (Heidrich 2001, section 2.1): the depth range is resolved evenly, where a
 // perspective z-buffer resolves near points more finely than far ones. Under an orthographic map both are the same.
 
-@group(2) @binding(0) var<uniform> parameters: HardParameters;
-@group(2) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(GROUP_SHADOW) @binding(0) var<uniform> parameters: HardParameters;
+@group(GROUP_SHADOW) @binding(1) var depth_maps: texture_depth_2d_array;
 
 fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let receiver = receiver_in_light(light, position_world, normal_world);

@@ -2,7 +2,7 @@
 
 // Linear depth of the scene seen from every light; the draw's first instance picks the light.
 
-@group(0) @binding(0) var<storage, read> lights: array<Light>;
+@group(GROUP_PASS) @binding(0) var<storage, read> lights: array<Light>;
 
 // Of a distant light: the orthographic z is linear already.
 @vertex

@@ -7,9 +7,9 @@
 // Moment soft shadow maps (Peters, Muenstermann, Wetzstein and Klein 2016): two filtered lookups of four moments, one for the
 // blockers' depth, one for the shadow.
 
-@group(2) @binding(0) var<uniform> parameters: MomentParameters;
-@group(2) @binding(1) var moment_maps: texture_2d_array<f32>;
-@group(2) @binding(2) var trilinear: sampler;
+@group(GROUP_SHADOW) @binding(0) var<uniform> parameters: MomentParameters;
+@group(GROUP_SHADOW) @binding(1) var moment_maps: texture_2d_array<f32>;
+@group(GROUP_SHADOW) @binding(2) var trilinear: sampler;
 
 // Share of the first kernel below which nothing blocks but rounding.
 const FULLY_LIT: f32 = 0.005;

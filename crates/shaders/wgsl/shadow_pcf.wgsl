@@ -5,9 +5,9 @@
 // Percentage-closer filtering (Reeves et al. 1987): the mean of shadow tests over a disk of fixed size in the map. Every test is
 // itself interpolated bilinearly between four texels.
 
-@group(2) @binding(0) var<uniform> parameters: PcfParameters;
-@group(2) @binding(1) var depth_maps: texture_depth_2d_array;
-@group(2) @binding(2) var lit_if_nearer: sampler_comparison;
+@group(GROUP_SHADOW) @binding(0) var<uniform> parameters: PcfParameters;
+@group(GROUP_SHADOW) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(GROUP_SHADOW) @binding(2) var lit_if_nearer: sampler_comparison;
 
 fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);

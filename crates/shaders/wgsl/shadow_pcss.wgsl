@@ -6,9 +6,9 @@
 // Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline, each of its points by what it adds to
 // irradiance.
 
-@group(2) @binding(0) var<uniform> parameters: PcssParameters;
-@group(2) @binding(1) var depth_maps: texture_depth_2d_array;
-@group(2) @binding(2) var lit_if_nearer: sampler_comparison;
+@group(GROUP_SHADOW) @binding(0) var<uniform> parameters: PcssParameters;
+@group(GROUP_SHADOW) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(GROUP_SHADOW) @binding(2) var lit_if_nearer: sampler_comparison;
 
 // Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
 fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {

@@ -5,13 +5,13 @@
 // columns, one thread each. Summed are differences to the value of a texel that nothing blocks: sums stay small where
 // little blocks, which keeps their precision (Hensley et al. 2005, section 4), and whatever lies outside the map adds 0.
 
-@group(0) @binding(0) var<uniform> parameters: ConvolutionParameters;
-@group(0) @binding(1) var depth_maps: texture_depth_2d_array;
-@group(0) @binding(2) var row_sums: texture_storage_2d_array<rgba32float, write>;
+@group(GROUP_PASS) @binding(0) var<uniform> parameters: ConvolutionParameters;
+@group(GROUP_PASS) @binding(1) var depth_maps: texture_depth_2d_array;
+@group(GROUP_PASS) @binding(2) var row_sums: texture_storage_2d_array<rgba32float, write>;
 
-@group(0) @binding(3) var summed_rows: texture_2d_array<f32>;
-@group(0) @binding(4) var table_rgba32: texture_storage_2d_array<rgba32float, write>;
-@group(0) @binding(5) var table_r32: texture_storage_2d_array<r32float, write>;
+@group(GROUP_PASS) @binding(3) var summed_rows: texture_2d_array<f32>;
+@group(GROUP_PASS) @binding(4) var table_rgba32: texture_storage_2d_array<rgba32float, write>;
+@group(GROUP_PASS) @binding(5) var table_r32: texture_storage_2d_array<r32float, write>;
 
 const IMAGE_SIN: u32 = 0u;
 const IMAGE_COS: u32 = 1u;
@@ -42,27 +42,27 @@ fn sum_row(row: u32, layer: u32, image: u32) {
     }
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn rows_sin(@builtin(global_invocation_id) id: vec3u) {
     sum_row(id.x, id.z, IMAGE_SIN);
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn rows_cos(@builtin(global_invocation_id) id: vec3u) {
     sum_row(id.x, id.z, IMAGE_COS);
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn rows_z_sin(@builtin(global_invocation_id) id: vec3u) {
     sum_row(id.x, id.z, IMAGE_Z_SIN);
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn rows_z_cos(@builtin(global_invocation_id) id: vec3u) {
     sum_row(id.x, id.z, IMAGE_Z_COS);
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn rows_depth(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(depth_maps);
     if id.x >= size.y {
@@ -75,7 +75,7 @@ fn rows_depth(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn columns_rgba32(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(summed_rows);
     if id.x >= size.x {
@@ -88,7 +88,7 @@ fn columns_rgba32(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(LINE_WORKGROUP)
 fn columns_r32(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(summed_rows);
     if id.x >= size.x {

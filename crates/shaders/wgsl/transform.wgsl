@@ -3,19 +3,17 @@
 // Mesh space to world space, every frame: geometry may have moved. Morph targets first, then joints (linear blend
 // skinning). One thread a vertex.
 
-@group(0) @binding(0) var<storage, read> vertices: array<MeshVertex>;
-@group(0) @binding(1) var<storage, read> instances: array<Instance>;
-@group(0) @binding(2) var<storage, read_write> positions_world: array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> normals_world: array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> tangents_world: array<vec4f>;
+@group(GROUP_PASS) @binding(0) var<storage, read> vertices: array<MeshVertex>;
+@group(GROUP_PASS) @binding(1) var<storage, read> instances: array<Instance>;
+@group(GROUP_PASS) @binding(2) var<storage, read_write> positions_world: array<vec4f>;
+@group(GROUP_PASS) @binding(3) var<storage, read_write> normals_world: array<vec4f>;
+@group(GROUP_PASS) @binding(4) var<storage, read_write> tangents_world: array<vec4f>;
 // Of each vertex that has any: number of joints, number of morph targets, then (joint, weight) of every joint and
 // (target, position, normal, tangent) of every target that moves it. Floats as bits.
-@group(0) @binding(5) var<storage, read> records: array<u32>;
+@group(GROUP_PASS) @binding(5) var<storage, read> records: array<u32>;
 // World space from the pose in which meshes were bound.
-@group(0) @binding(6) var<storage, read> joints: array<mat4x4f>;
-@group(0) @binding(7) var<storage, read> weights: array<f32>;
-
-const WORKGROUP: u32 = 64u;
+@group(GROUP_PASS) @binding(6) var<storage, read> joints: array<mat4x4f>;
+@group(GROUP_PASS) @binding(7) var<storage, read> weights: array<f32>;
 
 struct Placed {
     position: vec3f,
@@ -63,10 +61,10 @@ fn deformed(vertex: MeshVertex, instance: Instance) -> Placed {
     );
 }
 
-@compute @workgroup_size(WORKGROUP)
+@compute @workgroup_size(VERTEX_WORKGROUP)
 fn transform(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     // Two dimensions of workgroups: one holds at most 65535 of them.
-    let index = id.y * groups.x * WORKGROUP + id.x;
+    let index = id.y * groups.x * VERTEX_WORKGROUP + id.x;
     if index >= arrayLength(&vertices) {
         return;
     }

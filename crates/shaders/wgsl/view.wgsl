@@ -1,5 +1,5 @@
 #import types
 
-// Binding 0 of group 0 of every pass over the screen.
+// Of every pass that draws or reads what the camera sees.
 
-@group(0) @binding(0) var<uniform> view: View;
+@group(GROUP_FRAME) @binding(0) var<uniform> view: View;

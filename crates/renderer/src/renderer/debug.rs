@@ -2,12 +2,13 @@
 
 use gnomon_picture::tonemap::exposure_scale;
 use gnomon_scene::{Bounds, Camera};
+use gnomon_shaders::layout;
 
 use super::{Lit, Renderer, Target};
+use crate::RenderError;
 use crate::debug_view::{self, DebugGroup, DebugPass, DebugView};
 use crate::depth_maps::MapView;
 use crate::recorder::Recorder;
-use crate::{Gpu, RenderError};
 
 /// A view in force.
 pub(super) struct Debug {
@@ -43,11 +44,7 @@ impl Renderer {
             None => None,
             Some(view) => {
                 let (gpu, passes) = (&self.gpu, &self.passes);
-                let layouts = [
-                    &passes.gbuffer.read_layout,
-                    &passes.points.compose_layout,
-                    passes.compose.output_layout(),
-                ];
+                let layouts = [&passes.gbuffer.read_layout, &passes.points.compose_layout];
                 Some(Debug { view, light, pass: DebugPass::new(gpu, layouts)?, groups: Vec::new() })
             }
         };
@@ -94,11 +91,11 @@ impl Renderer {
         let mut lights_before = 0;
         for (i, (group, light_count)) in debug.groups.iter().zip(lit.batches.sizes()).enumerate() {
             let light = chosen.and_then(|(batch, light)| (batch == i).then_some(light));
-            let parameters = gnomon_shaders::layout::DebugParameters {
+            let parameters = layout::DebugParameters {
                 light: light.unwrap_or(0),
                 has_light: light.is_some().into(),
                 has_maps: self.technique.needs_depth_maps().into(),
-                to_viewer: to_viewer.to_array(),
+                to_viewer,
                 lights_before,
                 least_depth: least,
                 depth_range: range,
@@ -106,7 +103,7 @@ impl Renderer {
                 light_count,
                 ..debug.view.parameters()
             };
-            write(&self.gpu, group, &parameters);
+            self.gpu.write(&group.parameters, &parameters);
             lights_before += light_count;
         }
         let shown = match debug.view.draws_all_lights() {
@@ -116,14 +113,10 @@ impl Renderer {
                 batch..batch + 1
             }
         };
-        let groups = [&target.gbuffer.group, &target.points.compose_group, &target.sample_group];
+        let groups = [&target.gbuffer.group, &target.points.compose_group];
         let batches = debug.groups.iter().skip(shown.start).take(shown.len());
         debug.pass.encode(recorder, batches, groups, sample_size);
     }
-}
-
-fn write(gpu: &Gpu, group: &DebugGroup, parameters: &gnomon_shaders::layout::DebugParameters) {
-    gpu.queue.write_buffer(&group.parameters, 0, bytemuck::bytes_of(parameters));
 }
 
 /// Least depth of what can be seen, and the range of depths, measured along the direction that the camera looks [m].

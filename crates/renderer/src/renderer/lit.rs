@@ -1,6 +1,7 @@
 //! What a renderer makes of its lights.
 
 use gnomon_scene::{PlacedLight, Scene};
+use gnomon_shaders::layout;
 
 use super::Renderer;
 use crate::RenderError;
@@ -51,13 +52,14 @@ impl Renderer {
         let (technique, passes) = (self.technique, &self.passes);
         let batches =
             ShadowBatches::new(gpu, &passes.shadow_map, technique, &self.settings, &lighting, near_lights)?;
-        let groups = [
-            Some(&passes.frame_layout),
-            Some(&passes.gbuffer.read_layout),
-            batches.shadow_layout(),
-            Some(&passes.points.light_layout),
+        let mut groups = vec![
+            (layout::GROUP_FRAME, &passes.frame_layout),
+            (layout::GROUP_SURFACE, &passes.gbuffer.read_layout),
+            (layout::GROUP_PASS, &passes.points.light_layout),
         ];
-        let light = LightPass::new(gpu, technique.module(&self.settings.techniques.shadow_settings), groups)?;
+        groups.extend(batches.shadow_layout().map(|shadow| (layout::GROUP_SHADOW, shadow)));
+        let light =
+            LightPass::new(gpu, technique.module(&self.settings.techniques.shadow_settings), &groups)?;
         let frame_groups = batches.frame_groups(gpu, &passes.frame_layout, &self.view);
         let environment = self.environment_groups(&lighting);
         Ok(Lit { lighting, batches, frame_groups, light, environment })

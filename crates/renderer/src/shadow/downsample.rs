@@ -1,3 +1,5 @@
+use gnomon_shaders::layout;
+
 use crate::bindings::{Binding, D2_ARRAY, level_view};
 use crate::{Gpu, RenderError};
 
@@ -17,7 +19,7 @@ impl Downsample {
             wgpu::TextureFormat::Rgba32Float => ("downsample_rgba32", 4),
             _ => ("downsample_rgba16", 1),
         };
-        let layout = gpu.layout(
+        let own = gpu.layout(
             "downsample",
             wgpu::ShaderStages::COMPUTE,
             &[
@@ -33,13 +35,17 @@ impl Downsample {
                 let (fine, coarse) =
                     (wgpu::BindingResource::TextureView(fine), wgpu::BindingResource::TextureView(coarse));
                 let resources = [(0, fine), (written, coarse), (3, sampler)];
-                Some(gpu.bind_group("downsample", &layout, &resources))
+                Some(gpu.bind_group("downsample", &own, &resources))
             }
             _ => None,
         };
         let sizes = (1..).map(|level| texture.width() >> level);
         Ok(Self {
-            pipeline: gpu.compute_pipeline(&gpu.shader("downsample", &[])?, entry, &[Some(&layout)]),
+            pipeline: gpu.compute_pipeline(
+                &gpu.shader("downsample", &[])?,
+                entry,
+                &[(layout::GROUP_PASS, &own)],
+            ),
             levels: views.windows(2).filter_map(group).zip(sizes).collect(),
         })
     }
@@ -48,8 +54,8 @@ impl Downsample {
     pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, layers: u32) {
         pass.set_pipeline(&self.pipeline);
         for (group, size) in &self.levels {
-            let tiles = size.div_ceil(8);
-            pass.set_bind_group(0, group, &[]);
+            let tiles = size.div_ceil(layout::TILE);
+            pass.set_bind_group(layout::GROUP_PASS, group, &[]);
             pass.dispatch_workgroups(tiles, tiles, layers);
         }
     }

@@ -29,9 +29,6 @@ fn parameters(settings: &ShadowSettings, _: u32) -> Result<Vec<u8>, RenderError>
     let bias = settings.hard_linear.depth_bias;
     let parameters = layout::HardParameters {
         depth_bias: in_range("depth bias of hard linear shadows", bias, 0.0..=1.0)?,
-        padding_0: 0.0,
-        padding_1: 0.0,
-        padding_2: 0.0,
     };
-    Ok(bytemuck::bytes_of(&parameters).to_vec())
+    Ok(layout::bytes(&parameters))
 }

@@ -75,9 +75,9 @@ pub(crate) trait ShadowTechnique: Sync {
 
 /// What a technique keeps on the GPU.
 pub(crate) trait ShadowResources: Send {
-    /// Layout of bind group 2.
+    /// Layout of the shadow technique's bind group.
     fn layout(&self) -> &wgpu::BindGroupLayout;
-    /// Bind group 2.
+    /// The bind group.
     fn bind_group(&self) -> &wgpu::BindGroup;
     /// Makes images from the depth maps of the first `light_count` lights.
     fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32);

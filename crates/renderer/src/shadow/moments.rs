@@ -110,8 +110,7 @@ impl Resources {
                 0.0..=10.0,
             )?,
         };
-        let parameters =
-            gpu.buffer_with("moments", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
+        let parameters = gpu.shared_buffer("moments", &parameters, wgpu::BufferUsages::UNIFORM);
         let image = gpu.texture(
             "moments",
             [resolution, resolution, maps.capacity.max(1)],
@@ -124,7 +123,7 @@ impl Resources {
         let compute = wgpu::ShaderStages::COMPUTE;
         let sampled = Binding::Texture { dimension: D2_ARRAY, filterable: true };
         let written = Binding::StorageTexture { format: FORMAT, dimension: D2_ARRAY };
-        let layout = gpu.layout(
+        let shadow_layout = gpu.layout(
             "moment shadows",
             compute,
             &[(0, Binding::Uniform), (1, sampled), (2, Binding::Sampler)],
@@ -132,7 +131,7 @@ impl Resources {
         let whole = array_view(&image);
         let bind_group = gpu.bind_group(
             "moment shadows",
-            &layout,
+            &shadow_layout,
             &[
                 (0, parameters.as_entire_binding()),
                 (1, wgpu::BindingResource::TextureView(&whole)),
@@ -147,12 +146,12 @@ impl Resources {
         let moments_group =
             gpu.bind_group("moments", &moments_layout, &[(0, view(&maps.array)), (1, view(&top))]);
         Ok(Self {
-            layout,
+            layout: shadow_layout,
             bind_group,
             moments: gpu.compute_pipeline(
                 &gpu.shader("moments", &[])?,
                 "moments",
-                &[None, Some(&moments_layout)],
+                &[(layout::GROUP_PASS, &moments_layout)],
             ),
             moments_group,
             levels: Downsample::new(gpu, &image, &trilinear)?,
@@ -174,10 +173,10 @@ impl ShadowResources for Resources {
         if light_count == 0 {
             return;
         }
-        let tiles = self.resolution.div_ceil(8);
+        let tiles = self.resolution.div_ceil(layout::TILE);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.moments);
-        pass.set_bind_group(1, &self.moments_group, &[]);
+        pass.set_bind_group(layout::GROUP_PASS, &self.moments_group, &[]);
         pass.dispatch_workgroups(tiles, tiles, light_count);
         self.levels.encode(&mut pass, light_count);
     }

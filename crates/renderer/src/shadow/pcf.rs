@@ -45,5 +45,5 @@ fn parameters(settings: &ShadowSettings, resolution: u32) -> Result<Vec<u8>, Ren
         )?,
         depth_bias: in_range("depth bias of percentage-closer filtering", settings.depth_bias, 0.0..=1.0)?,
     };
-    Ok(bytemuck::bytes_of(&parameters).to_vec())
+    Ok(layout::bytes(&parameters))
 }

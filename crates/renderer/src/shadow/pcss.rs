@@ -52,9 +52,6 @@ fn parameters(settings: &ShadowSettings, _: u32) -> Result<Vec<u8>, RenderError>
         )?,
         depth_bias: in_range("depth bias of soft shadows", settings.depth_bias, 0.0..=1.0)?,
         rotate_per_pixel: u32::from(settings.rotate_per_pixel),
-        padding_0: 0,
-        padding_1: 0,
-        padding_2: 0,
     };
-    Ok(bytemuck::bytes_of(&parameters).to_vec())
+    Ok(layout::bytes(&parameters))
 }

@@ -1,5 +1,7 @@
 //! Basis images of half floats with mip chains.
 
+use gnomon_shaders::layout;
+
 use super::super::downsample::Downsample;
 use super::{DEPTH_FORMAT, IMAGES, Images};
 use crate::bindings::{Binding, D2_ARRAY, level_view};
@@ -17,7 +19,6 @@ pub(super) fn bytes_per_light(groups: u32, resolution: u32) -> u64 {
 pub(super) struct MipChain {
     basis: Dispatch,
     basis_depth: Dispatch,
-    basis_depth_group: wgpu::BindGroup,
     /// Of the basis images.
     basis_levels: Vec<Downsample>,
     depth_levels: Downsample,
@@ -65,33 +66,26 @@ impl MipChain {
                 (5, written(BASIS_FORMAT)),
             ],
         );
-        // The depth map alone, for the entry point that does not write the basis.
-        let source_layout =
-            gpu.layout("basis source", compute, &[(1, Binding::Depth { dimension: D2_ARRAY })]);
-        let depth_layout = gpu.layout("linear depth", compute, &[(0, written(DEPTH_FORMAT))]);
+        let depth_layout = gpu.layout(
+            "linear depth",
+            compute,
+            &[(1, Binding::Depth { dimension: D2_ARRAY }), (6, written(DEPTH_FORMAT))],
+        );
         let top = images.basis.each_ref().map(|image| level_view(image, 0));
         let source = wgpu::BindingResource::TextureView(&maps.array);
         let mut basis_resources = vec![(0, parameters.as_entire_binding()), (1, source.clone())];
         basis_resources
             .extend((2..).zip(&top).map(|(i, view)| (i, wgpu::BindingResource::TextureView(view))));
         let basis = Dispatch {
-            pipeline: gpu.compute_pipeline(&module, "basis", &[Some(&basis_layout)]),
+            pipeline: gpu.compute_pipeline(&module, "basis", &[(layout::GROUP_PASS, &basis_layout)]),
             bind_group: gpu.bind_group("basis", &basis_layout, &basis_resources),
         };
-        let basis_depth = Dispatch {
-            pipeline: gpu.compute_pipeline(
-                &module,
-                "basis_depth",
-                &[Some(&source_layout), Some(&depth_layout)],
-            ),
-            bind_group: gpu.bind_group("basis source", &source_layout, &[(1, source)]),
-        };
         let top_depth = level_view(&images.depth, 0);
-        let basis_depth_group = gpu.bind_group(
-            "linear depth",
-            &depth_layout,
-            &[(0, wgpu::BindingResource::TextureView(&top_depth))],
-        );
+        let depth_resources = [(1, source), (6, wgpu::BindingResource::TextureView(&top_depth))];
+        let basis_depth = Dispatch {
+            pipeline: gpu.compute_pipeline(&module, "basis_depth", &[(layout::GROUP_PASS, &depth_layout)]),
+            bind_group: gpu.bind_group("linear depth", &depth_layout, &depth_resources),
+        };
 
         let mut basis_levels = Vec::new();
         for image in &images.basis {
@@ -100,7 +94,6 @@ impl MipChain {
         let chain = Self {
             basis,
             basis_depth,
-            basis_depth_group,
             basis_levels,
             depth_levels: Downsample::new(gpu, &images.depth, sampler)?,
             resolution,
@@ -111,13 +104,12 @@ impl MipChain {
 
     pub fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        let full = self.resolution.div_ceil(8);
+        let full = self.resolution.div_ceil(layout::TILE);
         pass.set_pipeline(&self.basis.pipeline);
-        pass.set_bind_group(0, &self.basis.bind_group, &[]);
+        pass.set_bind_group(layout::GROUP_PASS, &self.basis.bind_group, &[]);
         pass.dispatch_workgroups(full, full, light_count * self.groups);
         pass.set_pipeline(&self.basis_depth.pipeline);
-        pass.set_bind_group(0, &self.basis_depth.bind_group, &[]);
-        pass.set_bind_group(1, &self.basis_depth_group, &[]);
+        pass.set_bind_group(layout::GROUP_PASS, &self.basis_depth.bind_group, &[]);
         pass.dispatch_workgroups(full, full, light_count);
         for levels in &self.basis_levels {
             levels.encode(&mut pass, light_count * self.groups);

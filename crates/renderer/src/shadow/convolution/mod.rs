@@ -149,10 +149,8 @@ impl ConvolutionSettings {
             contact_samples: in_range("contact samples", self.contact_samples, 0..=64)?,
             contact_reach: in_range("reach of contact samples", self.contact_reach, 0.0..=4.0)?.max(1e-3)
                 / order as f32,
-            padding_0: 0,
-            padding_1: 0,
-            far_sin: far.map(|phases| phases[1].to_array()),
-            far_cos: far.map(|phases| phases[0].to_array()),
+            far_sin: far.map(|phases| phases[1]),
+            far_cos: far.map(|phases| phases[0]),
         })
     }
 }
@@ -220,8 +218,7 @@ enum Filter {
 impl Resources {
     fn new(gpu: &Gpu, settings: &ConvolutionSettings, maps: &DepthMaps) -> Result<Self, RenderError> {
         let parameters = settings.parameters(maps.resolution)?;
-        let parameters =
-            gpu.buffer_with("convolution", bytemuck::bytes_of(&parameters), wgpu::BufferUsages::UNIFORM);
+        let parameters = gpu.shared_buffer("convolution", &parameters, wgpu::BufferUsages::UNIFORM);
         let trilinear = trilinear_sampler(gpu);
         let groups = settings.groups();
         let (filter, images) = match settings.prefilter {

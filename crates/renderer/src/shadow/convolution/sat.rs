@@ -1,5 +1,7 @@
 //! Summed-area tables of the basis images, 32-bit floats.
 
+use gnomon_shaders::layout;
+
 use super::{DEPTH_FORMAT, IMAGES, Images};
 use crate::bindings::{Binding, D2_ARRAY, array_view};
 use crate::depth_maps::DepthMaps;
@@ -7,9 +9,6 @@ use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 const BASIS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-
-/// Threads of a workgroup, one a row or a column.
-const WORKGROUP: u32 = 32;
 
 /// Bytes of one light's images: four tables and the row sums of one, of 16 bytes a texel and group, and linear depth of 4.
 pub(super) fn bytes_per_light(groups: u32, resolution: u32) -> u64 {
@@ -77,24 +76,28 @@ impl SummedAreaTables {
             .zip(images.basis.iter().map(|image| (image, true)).chain([(&images.depth, false)]))
             .map(|(entry, (image, basis))| {
                 let view = array_view(image);
-                let (layout, binding) = if basis { (&rgba32_layout, 4) } else { (&r32_layout, 5) };
+                let (columns_layout, binding) = if basis { (&rgba32_layout, 4) } else { (&r32_layout, 5) };
                 let columns_group = gpu.bind_group(
                     "summed-area table",
-                    layout,
+                    columns_layout,
                     &[
                         (3, wgpu::BindingResource::TextureView(&row_sums)),
                         (binding, wgpu::BindingResource::TextureView(&view)),
                     ],
                 );
-                let rows = gpu.compute_pipeline(&module, entry, &[Some(&rows_layout)]);
+                let rows = gpu.compute_pipeline(&module, entry, &[(layout::GROUP_PASS, &rows_layout)]);
                 Table { rows, columns_group, basis }
             })
             .collect();
         let tables = Self {
             rows_group,
             tables,
-            columns_rgba32: gpu.compute_pipeline(&module, "columns_rgba32", &[Some(&rgba32_layout)]),
-            columns_r32: gpu.compute_pipeline(&module, "columns_r32", &[Some(&r32_layout)]),
+            columns_rgba32: gpu.compute_pipeline(
+                &module,
+                "columns_rgba32",
+                &[(layout::GROUP_PASS, &rgba32_layout)],
+            ),
+            columns_r32: gpu.compute_pipeline(&module, "columns_r32", &[(layout::GROUP_PASS, &r32_layout)]),
             resolution,
             groups,
         };
@@ -103,14 +106,14 @@ impl SummedAreaTables {
 
     pub fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        let lines = self.resolution.div_ceil(WORKGROUP);
+        let lines = self.resolution.div_ceil(layout::LINE_WORKGROUP);
         for table in &self.tables {
             let layers = if table.basis { light_count * self.groups } else { light_count };
             pass.set_pipeline(&table.rows);
-            pass.set_bind_group(0, &self.rows_group, &[]);
+            pass.set_bind_group(layout::GROUP_PASS, &self.rows_group, &[]);
             pass.dispatch_workgroups(lines, 1, layers);
             pass.set_pipeline(if table.basis { &self.columns_rgba32 } else { &self.columns_r32 });
-            pass.set_bind_group(0, &table.columns_group, &[]);
+            pass.set_bind_group(layout::GROUP_PASS, &table.columns_group, &[]);
             pass.dispatch_workgroups(lines, 1, layers);
         }
     }

@@ -27,7 +27,7 @@ fn depth_maps(gpu: &Gpu, depths: &[f32]) -> DepthMaps {
         gpu.layout("depths", wgpu::ShaderStages::FRAGMENT, &[(0, Binding::Storage { read_only: true })]);
     let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("depths"),
-        layout: Some(&gpu.pipeline_layout(&[Some(&layout)])),
+        layout: Some(&gpu.pipeline_layout(&[(0, &layout)])),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("cover"),
@@ -97,8 +97,8 @@ fn evaluate(
     let shadows = ShadowSettings { convolution: settings.clone(), ..Default::default() };
     let source = format!(
         "{}
-        @group(3) @binding(0) var<storage, read> lookups: array<vec4f>;
-        @group(3) @binding(1) var<storage, read_write> results: array<vec4f>;
+        @group(GROUP_PASS) @binding(0) var<storage, read> lookups: array<vec4f>;
+        @group(GROUP_PASS) @binding(1) var<storage, read_write> results: array<vec4f>;
         @compute @workgroup_size(64) fn lookup(@builtin(global_invocation_id) id: vec3u) {{
             if id.x >= arrayLength(&lookups) {{ return; }}
             let uv = lookups[id.x].xy / parameters.resolution;
@@ -113,8 +113,8 @@ fn evaluate(
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let bindings = [(0, Binding::Storage { read_only: true }), (1, Binding::Storage { read_only: false })];
-    let layout = gpu.layout("lookup", wgpu::ShaderStages::COMPUTE, &bindings);
-    let groups = [None, None, Some(resources.layout()), Some(&layout)];
+    let own = gpu.layout("lookup", wgpu::ShaderStages::COMPUTE, &bindings);
+    let groups = [(layout::GROUP_SHADOW, resources.layout()), (layout::GROUP_PASS, &own)];
     let pipeline = gpu.new_compute_pipeline(&module, "lookup", &groups);
     let size = 16 * lookups.len() as u64;
     let input = gpu.buffer_with("lookups", bytemuck::cast_slice(lookups), wgpu::BufferUsages::STORAGE);
@@ -123,13 +123,13 @@ fn evaluate(
     let mapped =
         gpu.empty_buffer("mapped", size, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
     let group =
-        gpu.bind_group("lookup", &layout, &[(0, input.as_entire_binding()), (1, output.as_entire_binding())]);
+        gpu.bind_group("lookup", &own, &[(0, input.as_entire_binding()), (1, output.as_entire_binding())]);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(2, resources.bind_group(), &[]);
-        pass.set_bind_group(3, &group, &[]);
+        pass.set_bind_group(layout::GROUP_SHADOW, resources.bind_group(), &[]);
+        pass.set_bind_group(layout::GROUP_PASS, &group, &[]);
         pass.dispatch_workgroups(lookups.len().div_ceil(64) as u32, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&output, 0, &mapped, 0, size);

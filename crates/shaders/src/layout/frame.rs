@@ -1,0 +1,190 @@
+//! What a frame is seen and lit by.
+
+use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
+
+super::constants! {
+    /// Bind group of the frame: binding 0 is the [`View`] wherever there is one.
+    pub const GROUP_FRAME: u32 = 0;
+    /// Bind group of surfaces: materials and their textures where they are drawn, the G-buffer in passes over the screen.
+    pub const GROUP_SURFACE: u32 = 1;
+    /// Bind group of the shadow technique.
+    pub const GROUP_SHADOW: u32 = 2;
+    /// Bind group of the pass's own inputs and outputs.
+    pub const GROUP_PASS: u32 = 3;
+
+    /// Invocations along the side of a workgroup of passes over a picture or map.
+    pub const TILE: u32 = 8;
+    /// Points a workgroup.
+    pub const LIGHT_WORKGROUP: u32 = 64;
+
+    /// [`View::flags`]: draw the environment behind the scene.
+    pub const FLAG_BACKGROUND: u32 = 1;
+    /// [`View::flags`]: matte surfaces take irradiance from [`View::full_sh`].
+    pub const FLAG_SPHERICAL_HARMONICS: u32 = 2;
+
+    /// [`Light::shape`] of a disk.
+    pub const SHAPE_DISK: u32 = 0;
+    /// [`Light::shape`] of a quadrilateral.
+    pub const SHAPE_RECTANGLE: u32 = 1;
+    /// [`Light::kind`] of a light infinitely far away.
+    pub const KIND_DISTANT: u32 = 0;
+    /// [`Light::kind`] of a flat light in the scene.
+    pub const KIND_FLAT: u32 = 1;
+    /// [`Light::kind`] of a sphere in the scene.
+    pub const KIND_SPHERE: u32 = 2;
+    /// [`Light::role`] of a light that lights.
+    pub const ROLE_LIGHT: u32 = 0;
+    /// [`Light::role`] of a light that only tells how much of the sky is open.
+    pub const ROLE_PROBE: u32 = 1;
+    /// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
+    pub const MAX_BATCH_LIGHTS: u32 = 160;
+    /// [`Batch::flags`]: nothing has been summed before.
+    pub const FLAG_FIRST: u32 = 1;
+
+    /// Index of no point.
+    pub const NO_POINT: u32 = u32::MAX;
+
+    /// Most lobes of the radiance cache.
+    pub const MAX_CACHED_LOBES: u32 = 16;
+}
+
+super::structs! {
+    /// The camera and its picture.
+    pub struct View {
+        /// Reversed depth: 1 at the near plane, 0 at infinity.
+        pub clip_from_world: Mat4,
+        /// Its inverse.
+        pub world_from_clip: Mat4,
+        /// xyz: eye position (w = 1, perspective) or direction to the viewer (w = 0, parallel).
+        pub eye_world: Vec4,
+        /// Picture size in samples.
+        pub size: UVec2,
+        /// FLAG constants.
+        pub flags: u32,
+        /// Samples of the picture along the side of a tile of the shadow buffer.
+        pub shadow_sampling: u32,
+        /// Distance in the world from a sample to the next, across the view at a distance of 1 or in a parallel view.
+        pub sample_extent: f32,
+        /// The G-buffer is drawn in so many parts a side, each with every so manyth sample: 1 or 2.
+        pub interleave: u32,
+        /// SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
+        pub residual_sh: [Vec4; 9],
+        /// The same of the whole environment.
+        pub full_sh: [Vec4; 9],
+        /// Rotation of directions: the environment's maps and coefficients stay as they are when it turns.
+        pub environment_from_world: Mat4,
+    }
+
+    /// A uniform area light and its shadow map's frame. The outline of a light in the scene is given as it would look straight on from
+    /// a distance of 1 m: then tangents of angles are metres.
+    pub struct Light {
+        /// From the scene towards the light: to the centre of a distant one, against the front's normal of a flat one, against the
+        /// map's axis of a sphere.
+        pub direction: Vec3,
+        /// SHAPE constant.
+        pub shape: u32,
+        /// Axis of the tangent plane at `direction`, the same as the shadow map's u.
+        pub tangent: Vec3,
+        /// Disk only [rad].
+        pub angular_radius: f32,
+        /// The other axis, the map's v.
+        pub bitangent: Vec3,
+        /// Solid angle [sr]; of a light in the scene the emitting area that a direction sees at most [m^2].
+        pub solid_angle: f32,
+        /// Of every point.
+        pub radiance: Vec3,
+        /// Rectangle only: unit directions, counter-clockwise seen from the scene.
+        pub corners: [Vec4; 4],
+        /// xy in [-1, 1]. Orthographic for a distant light, z the linear depth in [0, 1] from near to far; else perspective, w the
+        /// distance along the map's axis [m].
+        pub light_from_world: Mat4,
+        /// Edge length of the square shadow map [m]; of a perspective map at a distance of 1 m.
+        pub map_width_world: f32,
+        /// Distance from near to far plane [m].
+        pub depth_range_world: f32,
+        /// Distance by which a receiver is moved along its normal against self-shadowing [m]; in a perspective map at a distance
+        /// of 1 m.
+        pub normal_offset_world: f32,
+        /// Distance of the near plane from a light in the scene [m].
+        pub near_world: f32,
+        /// Centre of a light in the scene [m].
+        pub position: Vec3,
+        /// KIND constant.
+        pub kind: u32,
+        /// Half width and height, a disk's and a sphere's radius in both: of a light in the scene [m], of a distant one at a distance of 1.
+        pub half_extent: Vec2,
+        /// ROLE constant.
+        pub role: u32,
+        /// How far what is drawn into the map may deviate from the scene [m].
+        pub caster_deviation_world: f32,
+        /// Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
+        pub vector_irradiance: Vec3,
+    }
+
+    /// A batch of lights whose maps are held together.
+    pub struct Batch {
+        /// First light that is summed.
+        pub first_light: u32,
+        /// One after the last.
+        pub end_light: u32,
+        /// FLAG constants.
+        pub flags: u32,
+    }
+
+    /// Where light is summed. Only passes on the GPU write these.
+    pub struct ShadingPoint {
+        /// What is lit.
+        pub position_world: Vec3,
+        /// Row times the picture's width plus column.
+        pub sample: u32,
+        /// Shading normal.
+        pub normal: Vec3,
+    }
+
+    /// What the lights of the batches so far give one point: irradiance, and specular radiance. Only passes on the GPU write these.
+    pub struct LightSums {
+        /// Without shadows.
+        pub diffuse_unshadowed: Vec3,
+        /// Projected solid angle of the probes.
+        pub probed: f32,
+        /// With shadows.
+        pub diffuse_shadowed: Vec3,
+        /// What is visible of the probes.
+        pub probed_open: f32,
+        /// Without shadows.
+        pub specular_unshadowed: Vec3,
+        /// With shadows.
+        pub specular_shadowed: Vec3,
+        /// Of lights in the scene, shadowed: the environment's compositing rule does not concern them.
+        pub diffuse_near: Vec3,
+        /// The same.
+        pub specular_near: Vec3,
+    }
+
+    /// What shapes a lobe of the radiance cache.
+    pub struct CachedLobe {
+        /// Reflectance model.
+        pub model: u32,
+        /// Roughness, shininess or slope. Uniform arrays take steps of 16 bytes.
+        #[size(12)]
+        pub parameter: f32,
+    }
+
+    /// The radiance cache's frame, whose z axis points to the viewer, and its lobes.
+    pub struct RadianceCache {
+        /// x axis.
+        pub right: Vec3,
+        /// Number of lobes.
+        pub count: u32,
+        /// y axis.
+        pub up: Vec3,
+        /// Samples a texel.
+        pub samples: u32,
+        /// z axis.
+        pub to_viewer: Vec3,
+        /// As in [`View`].
+        pub environment_from_world: Mat4,
+        /// The first `count` are in use.
+        pub lobes: [CachedLobe; MAX_CACHED_LOBES as usize],
+    }
+}

@@ -1,0 +1,98 @@
+//! Parameters of shadow techniques.
+
+use glam::Vec4;
+
+super::constants! {
+    /// Rows or columns of a summed-area table a workgroup.
+    pub const LINE_WORKGROUP: u32 = 32;
+}
+
+super::structs! {
+    /// Parameters of hard shadow maps, stored or linear.
+    pub struct HardParameters {
+        /// Receiver depth is moved towards the light by this much, in the depth that is compared.
+        pub depth_bias: f32,
+    }
+
+    /// Parameters of percentage-closer filtering.
+    pub struct PcfParameters {
+        /// Of the kernel.
+        pub samples: u32,
+        /// Radius of the kernel as a share of the map's side.
+        pub radius_uv: f32,
+        /// Receiver depth is moved towards the light by this much, in linear depth.
+        pub depth_bias: f32,
+        /// Factor on the lights' offset along the normal.
+        pub normal_offset_scale: f32,
+    }
+
+    /// Parameters of percentage-closer soft shadows.
+    pub struct PcssParameters {
+        /// Of the blocker search.
+        pub search_samples: u32,
+        /// Of the kernel.
+        pub filter_samples: u32,
+        /// Receiver depth is moved towards the light by this much, in linear depth.
+        pub depth_bias: f32,
+        /// Factor on the lights' offset along the normal.
+        pub normal_offset_scale: f32,
+        /// Not 0: every point of the scene turns the point sets by noise of its own.
+        pub rotate_per_pixel: u32,
+    }
+
+    /// Parameters of moment soft shadow maps.
+    pub struct MomentParameters {
+        /// Edge length of the shadow map in texels.
+        pub resolution: f32,
+        /// Coarsest mip level.
+        pub max_level: f32,
+        /// Share of a wide distribution mixed into every lookup.
+        pub moment_bias: f32,
+        /// Receiver depth is moved towards the light by this much, in linear depth.
+        pub depth_bias: f32,
+        /// The same per kernel width and slope of the receiver.
+        pub slope_bias: f32,
+        /// Factor on every kernel's width.
+        pub footprint_scale: f32,
+        /// Factor on the shadow, whose reconstruction is a lower bound.
+        pub intensity_scale: f32,
+        /// Factor on the lights' offset along the normal.
+        pub normal_offset_scale: f32,
+    }
+
+    /// Parameters of convolution shadows (Annen et al. 2008).
+    pub struct ConvolutionParameters {
+        /// Terms of the series, M.
+        pub order: u32,
+        /// RGBA layers a light needs for M terms.
+        pub groups: u32,
+        /// Edge length of the shadow map in texels.
+        pub resolution: f32,
+        /// Coarsest mip level.
+        pub max_level: f32,
+        /// Ringing suppression: value of the series that becomes 0.
+        pub black_point: f32,
+        /// Value of the series that becomes 1.
+        pub white_point: f32,
+        /// A of the sharpening p = 1 + A exp(-B (d - z_avg)).
+        pub sharpening_a: f32,
+        /// B of the sharpening.
+        pub sharpening_b: f32,
+        /// Receiver depth is moved towards the light by this much, in scaled light depth: in the final lookup.
+        pub depth_bias: f32,
+        /// The same where blocker depth is averaged.
+        pub average_bias: f32,
+        /// Widens kernels by what ringing suppression narrows penumbrae.
+        pub footprint_scale: f32,
+        /// Times the shadow map's plane is put at the average blocker depth.
+        pub plane_iterations: u32,
+        /// Places of the depth map looked at for blockers near the receiver, 0 for none.
+        pub contact_samples: u32,
+        /// How near those are, in linear depth.
+        pub contact_reach: f32,
+        /// Sines of the basis at the far plane, group by group: of texels that nothing blocks.
+        pub far_sin: [Vec4; 4],
+        /// Cosines of the same.
+        pub far_cos: [Vec4; 4],
+    }
+}
