@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;

@@ -190,7 +190,7 @@ mod tests {
             let light = lamp(shape, Vec3::new(0.3, 4.0, -0.2));
             let uniform = near_light_uniform(&light, &PlacedBoxes::new(&boxes()), 256, 1.0);
             let light_from_world = uniform.light_from_world;
-            let axis = -Vec3::from_array(uniform.direction);
+            let axis = -uniform.direction;
             for corner in boxes().iter().flat_map(|b| b.corners()) {
                 let p = light_from_world * corner.extend(1.0);
                 assert!((p.w - axis.dot(corner - light.center)).abs() < 1e-5, "{shape:?}");

@@ -1,7 +1,7 @@
 //! `encase` writes the members of shared structs where WGSL reads them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use gnomon_shaders::layout::{Struct, structs};
+use gnomon_shaders::layout::{Struct, described};
 use gnomon_shaders::resolve;
 use naga::TypeInner;
 
@@ -23,12 +23,12 @@ fn difference(module: &naga::Module, shared: &Struct) -> Option<String> {
 
 fn differences(source: &str) -> Vec<String> {
     let module = naga::front::wgsl::parse_str(source).unwrap();
-    structs().iter().filter_map(|shared| difference(&module, shared)).collect()
+    described().iter().filter_map(|shared| difference(&module, shared)).collect()
 }
 
 #[test]
 fn rust_and_wgsl_structs_agree() {
-    assert!(structs().len() > 10);
+    assert!(described().len() > 10);
     assert_eq!(differences(&resolve("types", &[]).unwrap()), Vec::<String>::new());
 }
 

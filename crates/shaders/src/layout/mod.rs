@@ -60,7 +60,7 @@ macro_rules! constants {
     ($($(#[doc = $doc:literal])+ pub const $name:ident: $ty:ident = $value:expr;)+) => {
         $($(#[doc = $doc])+ pub const $name: $ty = $value;)+
 
-        pub(super) fn constants() -> String {
+        pub(super) fn constants_in_wgsl() -> String {
             let lines = [$(format!("const {}: {} = {}({:?});\n", stringify!($name), stringify!($ty), stringify!($ty), $name)),+];
             lines.concat()
         }
@@ -90,7 +90,7 @@ macro_rules! structs {
             }
         )+
 
-        pub(super) fn structs() -> Vec<super::Struct> {
+        pub(super) fn described_structs() -> Vec<super::Struct> {
             vec![$({
                 let offsets = <$name as encase::ShaderType>::METADATA.extra.offsets;
                 let members = [$(format!("    {}{}: {},\n", concat!($("@size(", $size, ") ")?), stringify!($field), <$ty as super::InWgsl>::name())),+];
@@ -107,18 +107,30 @@ macro_rules! structs {
 use structs;
 
 /// Every shared struct.
-pub fn structs() -> Vec<Struct> {
-    [frame::structs(), picture::structs(), scene::structs(), shadow::structs()]
-        .into_iter()
-        .flatten()
-        .collect()
+#[allow(unused_qualifications, reason = "every file has a function of this name")]
+pub fn described() -> Vec<Struct> {
+    [
+        frame::described_structs(),
+        picture::described_structs(),
+        scene::described_structs(),
+        shadow::described_structs(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The module `types`.
+#[allow(unused_qualifications, reason = "every file has a function of this name")]
 pub(crate) static MODULE: LazyLock<String> = LazyLock::new(|| {
-    let constants =
-        [frame::constants(), picture::constants(), scene::constants(), shadow::constants()].concat();
-    structs().iter().fold(constants, |text, declared| text + &declared.wgsl)
+    let constants = [
+        frame::constants_in_wgsl(),
+        picture::constants_in_wgsl(),
+        scene::constants_in_wgsl(),
+        shadow::constants_in_wgsl(),
+    ]
+    .concat();
+    described().iter().fold(constants, |text, declared| text + &declared.wgsl)
 });
 
 /// What can be written to a buffer.
