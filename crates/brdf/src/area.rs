@@ -1,19 +1,11 @@
 //! Glossy lobes over area lights: the lobe is taken as Gaussian in a plane in which the light is flat, so that its integral over
 //! the light has a closed form. As exact as the light is small or the lobe narrow, whichever of them is the wider one.
 
-use std::f32::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI, FRAC_PI_4, TAU};
+use std::f32::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI, FRAC_PI_4};
 
 use glam::{Vec2, Vec3};
 
-use crate::lobe::schlick_share;
-use crate::sampling::reflect;
-use crate::torrance_sparrow::angle_from_cosine;
-use crate::{
-    MIN_N_DOT_V, Model, SlopeDistribution, blinn_phong_norm, g1_smith_beckmann, gaussian_norm,
-    reflectance_lobe,
-};
-
-/// A light as a surface point sees it.
+/// A light as a surface point sees it, in the point's tangent frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPatch {
     /// Unit vector to its middle.
@@ -24,6 +16,12 @@ pub struct LightPatch {
     pub half_height: Vec3,
     /// Whether it is an ellipse rather than a parallelogram.
     pub is_disk: bool,
+    /// Solid angle [sr].
+    pub solid_angle: f32,
+    /// Unit vector to its point nearest to the mirrored view; to its middle where it is infinitely far.
+    pub nearest: Vec3,
+    /// Whether it is infinitely far.
+    pub is_distant: bool,
 }
 
 /// Error function, absolute error 1.5e-7 (Abramowitz and Stegun 1964, 7.1.26), its series where that is the better.
@@ -78,75 +76,42 @@ pub fn gaussian_patch(at: Vec3, a: Vec3, b: Vec3, sigma: f32, is_disk: bool) -> 
 
 /// From the peak of a lobe of variance `1 / (s + 1)` to a direction `peak_cosine` away from it, such that a Gaussian of this distance
 /// is `cos^s`.
-fn power_distance(peak_cosine: f32, s: f32) -> f32 {
+pub(crate) fn power_distance(peak_cosine: f32, s: f32) -> f32 {
     (-2.0 * s / (s + 1.0) * peak_cosine.clamp(1e-20, 1.0).ln()).sqrt()
 }
 
-/// Integral of [`reflectance_lobe`] times the cosine over an area light: radiance reflected per unit of the light's, `x f0 + y f90`. Tends
-/// to the lobe times the solid angle as the light shrinks.
-///
-/// Cosine, shadowing and Fresnel are taken at the light's middle, the lobe over all of it: about the mirrored view for Phong,
-/// of the half vector for the others. The lobe of
-/// [`Model::MetallicRoughness`] is not integrated but taken at the middle.
-pub fn light_lobe(model: Model, parameter: f32, n: Vec3, wo: Vec3, light: &LightPatch) -> Vec2 {
-    let wi = light.direction;
-    let (a, b) = (light.half_width, light.half_height);
-    let n_dot_l = n.dot(wi);
-    if n_dot_l <= 0.0 {
-        return Vec2::ZERO;
+/// From `to`, `distance` away, to `origin`, in the plane across `origin`.
+pub(crate) fn away(origin: Vec3, to: Vec3, distance: f32) -> Vec3 {
+    -distance * (to - origin * origin.dot(to)).normalize_or_zero()
+}
+
+/// A light in the plane across the half vector to its middle: what the half vector turns by as `wi` goes over the light.
+pub(crate) struct HalfVectorPatch {
+    /// Half vector to the light's middle.
+    h: Vec3,
+    half_width: Vec3,
+    half_height: Vec3,
+    is_disk: bool,
+    pub n_dot_h: f32,
+    pub v_dot_h: f32,
+}
+
+impl HalfVectorPatch {
+    /// `None` where the light's middle is under the surface, or the half vector about perpendicular to the normal or the view.
+    pub fn new(wo: Vec3, light: &LightPatch) -> Option<Self> {
+        let sum = wo + light.direction;
+        let length = sum.length().max(1e-6);
+        let h = sum / length;
+        let turn = |e: Vec3| (e - h * h.dot(e)) / length;
+        let (half_width, half_height) = (turn(light.half_width), turn(light.half_height));
+        let (n_dot_h, v_dot_h) = (h.z, wo.dot(h));
+        let is_seen = light.direction.z > 0.0 && n_dot_h > 1e-2 && v_dot_h > 1e-3;
+        is_seen.then_some(Self { h, half_width, half_height, is_disk: light.is_disk, n_dot_h, v_dot_h })
     }
-    let sum = wo + wi;
-    let length = sum.length();
-    let h = sum / length.max(1e-6);
-    let n_dot_h = n.dot(h);
-    let v_dot_h = wo.dot(h);
-    // The half vector's derivative: what it turns by as wi does.
-    let turn = |e: Vec3| (e - h * h.dot(e)) / length.max(1e-6);
-    let away =
-        |from: Vec3, to: Vec3, distance: f32| -distance * (to - from * from.dot(to)).normalize_or_zero();
-    let microfacets = |share_on_light: f32, masking_slope: f32| {
-        let n_dot_v = n.dot(wo).max(MIN_N_DOT_V);
-        let masking =
-            g1_smith_beckmann(n_dot_v, masking_slope) * g1_smith_beckmann(n_dot_l, masking_slope) / n_dot_v;
-        let share = schlick_share(v_dot_h);
-        share_on_light * v_dot_h * masking * Vec2::new(1.0 - share, share)
-    };
-    match model {
-        Model::Lambert => Vec2::ZERO,
-        Model::MetallicRoughness => {
-            let flat_area = if light.is_disk { 0.5 * TAU } else { 4.0 } * a.cross(b).length();
-            reflectance_lobe(model, parameter, n, wo, wi) * n_dot_l * flat_area
-        }
-        Model::Phong => {
-            let mirrored = reflect(n, wo);
-            let distance = power_distance(mirrored.dot(wi), parameter);
-            let sigma = 1.0 / (parameter + 1.0).sqrt();
-            let share = gaussian_patch(away(wi, mirrored, distance), a, b, sigma, light.is_disk);
-            Vec2::new((parameter + 2.0) / (parameter + 1.0) * share * n_dot_l, 0.0)
-        }
-        _ if n_dot_h <= 1e-2 || v_dot_h <= 1e-3 => Vec2::ZERO,
-        Model::BlinnPhong => {
-            let distance = power_distance(n_dot_h, parameter);
-            let sigma = 1.0 / (parameter + 1.0).sqrt();
-            let share = gaussian_patch(away(h, n, distance), turn(a), turn(b), sigma, light.is_disk);
-            let norm = blinn_phong_norm(parameter) * TAU / (parameter + 1.0);
-            Vec2::new(norm * 4.0 * v_dot_h * share * n_dot_l, 0.0)
-        }
-        Model::TorranceSparrowBeckmann => {
-            // The slope's own plane would be exact, but stretches a light at grazing half vectors without bound.
-            let tangent = ((1.0 - n_dot_h).max(0.0) * (1.0 + n_dot_h)).sqrt() / n_dot_h;
-            let at = away(h, n, tangent);
-            let share = gaussian_patch(at, turn(a), turn(b), parameter * FRAC_1_SQRT_2, light.is_disk);
-            let c2 = n_dot_h * n_dot_h;
-            microfacets(share / (c2 * c2), parameter)
-        }
-        Model::TorranceSparrowGaussian => {
-            let at = away(h, n, angle_from_cosine(n_dot_h));
-            let share = gaussian_patch(at, turn(a), turn(b), parameter * FRAC_1_SQRT_2, light.is_disk);
-            microfacets(
-                share / gaussian_norm(parameter),
-                SlopeDistribution::Gaussian.masking_slope(parameter),
-            )
-        }
+
+    /// Share of a normal distribution about the normal, which is `distance` away, that lies on the light.
+    pub fn share(&self, distance: f32, sigma: f32) -> f32 {
+        let at = away(self.h, Vec3::Z, distance);
+        gaussian_patch(at, self.half_width, self.half_height, sigma, self.is_disk)
     }
 }

@@ -15,33 +15,28 @@ pub(crate) fn reflect(n: Vec3, wo: Vec3) -> Vec3 {
     2.0 * n.dot(wo) * n - wo
 }
 
-/// A world vector in the local frame whose z axis is the unit normal `n` (Duff et al. 2017).
-pub fn local_from_world(n: Vec3, world: Vec3) -> Vec3 {
-    let (t, b) = n.any_orthonormal_pair();
-    Vec3::new(world.dot(t), world.dot(b), world.dot(n))
+/// `wo` mirrored about the surface's normal.
+pub(crate) fn mirrored(wo: Vec3) -> Vec3 {
+    Vec3::new(-wo.x, -wo.y, wo.z)
 }
 
-/// Inverse of [`local_from_world`].
-pub fn world_from_local(n: Vec3, local: Vec3) -> Vec3 {
-    let (t, b) = n.any_orthonormal_pair();
-    t * local.x + b * local.y + n * local.z
+/// Unit vector that halves the angle between two; 0 where they are opposite.
+pub(crate) fn half_vector(wo: Vec3, wi: Vec3) -> Vec3 {
+    (wo + wi).normalize_or_zero()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
+/// Smallest cosine that is raised to a power: the logarithm stays finite.
+const MIN_COSINE: f32 = 1e-20;
 
-    proptest! {
-        #[test]
-        fn frames_are_inverse(nx in -1f32..1.0, ny in -1f32..1.0, nz in -1f32..1.0, u in 0f32..1.0, v in 0f32..1.0) {
-            let n = Vec3::new(nx, ny, nz);
-            prop_assume!(n.length() > 0.01);
-            let n = n.normalize();
-            let d = sample_cosine_hemisphere(Vec2::new(u, v));
-            prop_assert!((d.length() - 1.0).abs() < 1e-5);
-            prop_assert!(local_from_world(n, world_from_local(n, d)).distance(d) < 1e-5);
-            prop_assert!((world_from_local(n, Vec3::Z)).distance(n) < 1e-6);
-        }
-    }
+/// `cosine^exponent`, 0 for a negative cosine unless the exponent is 0.
+pub(crate) fn cosine_power(cosine: f32, exponent: f32) -> f32 {
+    cosine.max(MIN_COSINE).powf(exponent)
+}
+
+/// A direction about +z with the density `(exponent + 1) / (2 pi) z^exponent`.
+pub(crate) fn sample_cosine_power(exponent: f32, u: Vec2) -> Vec3 {
+    let z = (1.0 - u.x).powf(1.0 / (exponent + 1.0));
+    let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+    let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+    Vec3::new(r * cos_phi, r * sin_phi, z)
 }

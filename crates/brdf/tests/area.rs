@@ -3,17 +3,24 @@
 
 mod support;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use gnomon_brdf::*;
-use gnomon_testing::tolerances;
+use gnomon_testing::{glossy_models, glossy_surface, tolerances};
 use support::direction;
 
-const CASES: [(Model, [f32; 3]); 4] = [
-    (Model::Phong, [10.0, 40.0, 500.0]),
-    (Model::BlinnPhong, [40.0, 160.0, 2000.0]),
-    (Model::TorranceSparrowBeckmann, [0.3, 0.12, 0.04]),
-    (Model::TorranceSparrowGaussian, [0.3, 0.12, 0.04]),
-];
+/// Lobes by the roughness of GGX ones as wide.
+const ROUGHNESSES: [f32; 3] = [0.5, 0.33, 0.18];
+
+/// Lobes of every model that integrates them over lights; GGX only widens.
+fn cases() -> impl Iterator<Item = (Model, [Lobe; 3])> {
+    let integrated = glossy_models().filter(|model| *model != Model::MetallicRoughness);
+    integrated.map(|model| (model, ROUGHNESSES.map(|roughness| white(model, roughness))))
+}
+
+/// A white lobe.
+fn white(model: Model, roughness: f32) -> Lobe {
+    Lobe { tint: Vec4::ONE, ..glossy_surface(model, roughness).layers().lobe }
+}
 
 /// A light of some half extents about a direction, turned about it.
 fn patch(middle: Vec3, half: [f32; 2], turn: f32, is_disk: bool) -> LightPatch {
@@ -24,11 +31,14 @@ fn patch(middle: Vec3, half: [f32; 2], turn: f32, is_disk: bool) -> LightPatch {
         half_width: (x * cos + y * sin) * half[0],
         half_height: (y * cos - x * sin) * half[1],
         is_disk,
+        solid_angle: if is_disk { std::f32::consts::PI } else { 4.0 } * half[0] * half[1],
+        nearest: middle,
+        is_distant: true,
     }
 }
 
-/// Lobe times cosine summed over the light, f0 = f90 = 1.
-fn brute_force(model: Model, parameter: f32, wo: Vec3, light: &LightPatch) -> f64 {
+/// Lobe times cosine summed over the light.
+fn brute_force(lobe: &Lobe, wo: Vec3, light: &LightPatch) -> f64 {
     const STEPS: i32 = 96;
     let mut sum = 0.0;
     for i in 0..STEPS * STEPS {
@@ -40,8 +50,7 @@ fn brute_force(model: Model, parameter: f32, wo: Vec3, light: &LightPatch) -> f6
         let wi = to.normalize();
         // A piece of the tangent plane subtends the cube of the cosine.
         let solid_angle = f64::from(to.length()).powi(-3);
-        let lobe = reflectance_lobe(model, parameter, Vec3::Z, wo, wi);
-        sum += f64::from((lobe.x + lobe.y) * wi.z.max(0.0)) * solid_angle;
+        sum += f64::from(lobe.value(wo, wi).x * wi.z.max(0.0)) * solid_angle;
     }
     let cell = 4.0 / f64::from(STEPS * STEPS);
     sum * cell * f64::from(light.half_width.cross(light.half_height).length())
@@ -49,7 +58,7 @@ fn brute_force(model: Model, parameter: f32, wo: Vec3, light: &LightPatch) -> f6
 
 /// Relative root mean square error over lights all around the mirrored view: what a highlight's picture is wrong by.
 fn error_around(
-    (model, parameter): (Model, f32),
+    lobe: &Lobe,
     theta: f64,
     half: [f32; 2],
     is_disk: bool,
@@ -58,11 +67,7 @@ fn error_around(
     let wo = direction(theta, 0.2);
     let mirrored = Vec3::new(-wo.x, -wo.y, wo.z);
     let (x, y) = mirrored.any_orthonormal_pair();
-    let lobe_width = match model {
-        Model::Phong => 1.0 / parameter.sqrt(),
-        Model::BlinnPhong => 2.0 / parameter.sqrt(),
-        _ => 1.4 * parameter,
-    };
+    let lobe_width = 1.4 * lobe.model.equivalent_roughness(lobe).powi(2);
     let reach = 1.5 * half[0].max(half[1]) + 2.0 * lobe_width;
     let (mut squared, mut total) = (0.0, 0.0);
     for i in 0..49 {
@@ -72,18 +77,11 @@ fn error_around(
             continue;
         }
         let light = patch(middle, half, 0.5 + 0.1 * i as f32, is_disk);
-        let truth = brute_force(model, parameter, wo, &light);
+        let truth = brute_force(lobe, wo, &light);
         squared += (f64::from(estimate(wo, &light)) - truth).powi(2);
         total += truth * truth;
     }
     (squared / total).sqrt()
-}
-
-fn estimate(model: Model, parameter: f32) -> impl Fn(Vec3, &LightPatch) -> f32 {
-    move |wo, light| {
-        let lobe = light_lobe(model, parameter, Vec3::Z, wo, light);
-        lobe.x + lobe.y
-    }
 }
 
 #[test]
@@ -97,13 +95,13 @@ fn highlights_of_disks_and_rectangles() {
         ([0.25, 0.06], false),
         ([0.3, 0.2], false),
     ];
-    for (model, parameters) in CASES {
+    for (model, lobes) in cases() {
         for (half, is_disk) in lights {
             let mut worst = 0.0f64;
-            for parameter in parameters {
+            for lobe in &lobes {
                 for theta in [0.0, 0.5, 1.0] {
-                    let error =
-                        error_around((model, parameter), theta, half, is_disk, estimate(model, parameter));
+                    let estimate = |wo, light: &LightPatch| lobe.over_light(wo, light).x;
+                    let error = error_around(lobe, theta, half, is_disk, estimate);
                     worst = worst.max(error);
                 }
             }
@@ -121,20 +119,17 @@ fn highlights_of_disks_and_rectangles() {
 /// A light of an angular radius of 1 mrad is a point: the bare lobe times its solid angle.
 #[test]
 fn a_point_like_light_gives_the_bare_lobe() {
-    for (model, parameters) in CASES {
-        for parameter in parameters {
+    for (_, lobes) in cases() {
+        for lobe in &lobes {
             for (theta, phi) in [(0.6, 3.3), (0.75, 3.0), (0.9, 3.6)] {
                 let wo = direction(0.7, 0.2);
                 for is_disk in [true, false] {
                     let light = patch(direction(theta, phi), [1e-3; 2], 0.3, is_disk);
-                    let area = if is_disk { std::f32::consts::PI } else { 4.0 } * 1e-6;
-                    let lobe = reflectance_lobe(model, parameter, Vec3::Z, wo, light.direction);
-                    let bare = lobe * light.direction.z * area;
-                    let found = light_lobe(model, parameter, Vec3::Z, wo, &light);
-                    let peak = reflectance_lobe(model, parameter, Vec3::Z, wo, direction(0.7, 3.3416)) * area;
-                    let difference = (found - bare).abs().max_element();
-                    let limit = tolerances::AREA_LOBE_POINT_LIGHT * bare.x.max(0.01 * peak.x);
-                    assert!(difference <= limit, "{model:?} {parameter}: {found} {bare}");
+                    let bare = lobe.value(wo, light.direction).x * light.direction.z * light.solid_angle;
+                    let found = lobe.over_light(wo, &light).x;
+                    let peak = lobe.value(wo, direction(0.7, 3.3416)).x * light.solid_angle;
+                    let limit = tolerances::AREA_LOBE_POINT_LIGHT * bare.max(0.01 * peak);
+                    assert!((found - bare).abs() <= limit, "{lobe:?}: {found} {bare}");
                 }
             }
         }
@@ -144,12 +139,11 @@ fn a_point_like_light_gives_the_bare_lobe() {
 /// The measure sees a lobe that the light does not widen.
 #[test]
 fn a_bare_lobe_is_caught() {
+    let narrow = white(Model::Phong, 0.18);
     let bare = |wo: Vec3, light: &LightPatch| {
-        let lobe = reflectance_lobe(Model::Phong, 500.0, Vec3::Z, wo, light.direction);
-        let area = 4.0 * light.half_width.cross(light.half_height).length();
-        (lobe.x + lobe.y) * light.direction.z * area
+        narrow.value(wo, light.direction).x * light.direction.z * light.solid_angle
     };
-    let error = error_around((Model::Phong, 500.0), 0.5, [0.1, 0.05], false, bare);
+    let error = error_around(&narrow, 0.5, [0.1, 0.05], false, bare);
     assert!(error > 2.0 * tolerances::AREA_LOBE_MEDIUM_LIGHT, "{error}");
 }
 

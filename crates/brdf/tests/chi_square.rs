@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{Vec2, Vec3};
 use gnomon_brdf::*;
+use gnomon_testing::{glossy_models, glossy_surface};
 use support::{Pcg, chi_square_p, direction, integrate};
 
 /// Bins in theta and phi: fine enough to see a lobe's shape, coarse enough that most bins hold samples.
@@ -23,7 +24,7 @@ const SIGNIFICANCE: f64 = 0.01;
 const STEPS: usize = 24;
 
 /// p-value of the samples of `model` against the pdf, one further bin taking the lost samples.
-fn p_value(model: &dyn Reflectance, pdf: &dyn Fn(Vec3) -> f64, wo: Vec3, seed: u64) -> f64 {
+fn p_value(model: &Layers, pdf: &dyn Fn(Vec3) -> f64, wo: Vec3, seed: u64) -> f64 {
     let mut rng = Pcg(seed);
     let mut counts = vec![0.0; BINS[0] * BINS[1] + 1];
     for _ in 0..SAMPLES {
@@ -70,49 +71,44 @@ fn p_value(model: &dyn Reflectance, pdf: &dyn Fn(Vec3) -> f64, wo: Vec3, seed: u
     chi_square_p(statistic, used - 1.0)
 }
 
+/// Every model with lobes from narrow to wide, alone and over a matte part, as dielectric and as metal where it is one.
 fn cases() -> Vec<(Surface, f64)> {
-    let glossy = Surface { specular: 1.0, roughness: 0.5, ..Surface::default() };
-    let metal = Surface { metallic: 1.0, roughness: 0.3, base_color: Vec3::new(0.9, 0.6, 0.3), ..glossy };
-    let blend = Surface { metallic: 0.4, roughness: 0.8, ..glossy };
-    let rough = Surface { metallic: 1.0, roughness: 1.0, ..metal };
-    let matte = Surface::default();
-    let phong = Surface { model: Model::Phong, shininess: 40.0, ..glossy };
-    let narrow = Surface { shininess: 150.0, base_color: Vec3::ZERO, ..phong };
-    let blinn = Surface { model: Model::BlinnPhong, ..phong };
-    let beckmann = Surface { model: Model::TorranceSparrowBeckmann, slope: 0.3, ..glossy };
-    let gaussian = Surface { model: Model::TorranceSparrowGaussian, slope: 0.2, ..metal };
-    let wide = Surface { model: Model::TorranceSparrowGaussian, slope: 1.0, ..metal };
-    [glossy, metal, blend, rough, matte, phong, narrow, blinn, beckmann, gaussian, wide]
-        .iter()
-        .flat_map(|&s| [0.0, 0.6, 1.3].map(|theta| (s, theta)))
-        .collect()
+    let surfaces = Model::ALL.iter().flat_map(|&model| {
+        let of = |roughness, metallic, base_color| Surface {
+            metallic,
+            base_color,
+            ..glossy_surface(model, roughness)
+        };
+        [
+            of(0.5, 0.0, Vec3::splat(0.5)),
+            of(0.33, 0.0, Vec3::ZERO),
+            of(0.4, 1.0, Vec3::new(0.9, 0.6, 0.3)),
+            of(0.95, 0.4, Vec3::splat(0.5)),
+        ]
+    });
+    surfaces.flat_map(|surface| [0.0, 0.6, 1.3].map(|theta| (surface, theta))).collect()
 }
 
 #[test]
 fn samples_follow_the_pdf() {
     let cases = cases();
-    for (index, &(surface, theta)) in cases.iter().enumerate() {
-        let model = surface.reflectance();
-        let wo = direction(theta, 0.3);
-        let p = p_value(&*model, &|wi| f64::from(model.pdf(wo, wi)), wo, 7 + index as u64);
+    for (index, (surface, theta)) in cases.iter().enumerate() {
+        let layers = surface.layers();
+        let wo = direction(*theta, 0.3);
+        let p = p_value(&layers, &|wi| f64::from(layers.pdf(wo, wi)), wo, 7 + index as u64);
         assert!(p > SIGNIFICANCE / cases.len() as f64, "p {p}: {surface:?}, theta {theta}");
     }
 }
 
-/// The test must see a sampler whose roughness is 3 % off.
+/// The test must see a sampler whose lobe is 3 % too wide.
 #[test]
 fn a_wrong_pdf_is_caught() {
-    let surface = Surface { metallic: 1.0, roughness: 0.5, ..Surface::default() };
-    let wrong = MetallicRoughness::new(Surface { roughness: 0.515, ..surface });
     let wo = direction(0.6, 0.3);
-    let p = p_value(&MetallicRoughness::new(surface), &|wi| f64::from(wrong.pdf(wo, wi)), wo, 3);
-    assert!(p < 1e-6, "p {p}");
-    for model in
-        [Model::Phong, Model::BlinnPhong, Model::TorranceSparrowBeckmann, Model::TorranceSparrowGaussian]
-    {
-        let right = Surface { model, base_color: Vec3::ZERO, specular: 1.0, ..Surface::default() };
-        let wrong = Surface { shininess: 42.5, slope: 0.29, ..right }.reflectance();
-        let p = p_value(&*right.reflectance(), &|wi| f64::from(wrong.pdf(wo, wi)), wo, 3);
+    for model in glossy_models() {
+        let layers =
+            |roughness| Surface { base_color: Vec3::ZERO, ..glossy_surface(model, roughness) }.layers();
+        let wrong = layers(0.515);
+        let p = p_value(&layers(0.5), &|wi| f64::from(wrong.pdf(wo, wi)), wo, 3);
         assert!(p < 1e-6, "{model:?}: p {p}");
     }
 }

@@ -1,5 +1,4 @@
 use glam::{DVec2, Vec3};
-use gnomon_brdf::{local_from_world, world_from_local};
 use gnomon_envmap::Equirect;
 
 use crate::Ray;
@@ -52,21 +51,21 @@ impl Tracer<'_> {
         shadowed: bool,
         [direction, choice]: [DVec2; 2],
     ) -> Vec3 {
-        let n = point.shading_normal;
-        let model = point.surface.reflectance();
-        let wo_local = local_from_world(n, wo);
+        let frame = &point.frame;
+        let layers = point.surface.layers();
+        let wo_local = frame.local_from_world(wo);
         let lifted = point.lifted();
-        let light = light.aim(lifted, n);
-        let share = if point.surface.is_matte() { MATTE_REFLECTION_SHARE } else { GLOSSY_REFLECTION_SHARE };
+        let light = light.aim(lifted, frame.n);
+        let share = if layers.lobe.is_present() { GLOSSY_REFLECTION_SHARE } else { MATTE_REFLECTION_SHARE };
         let wi = if choice.x < share {
-            let sample = model.sample(wo_local, to_vec2(direction), choice.y as f32);
-            sample.map(|sample| world_from_local(n, sample.wi).normalize())
+            let sample = layers.sample(wo_local, to_vec2(direction), choice.y as f32);
+            sample.map(|sample| frame.world_from_local(sample.wi).normalize())
         } else {
             light.sample(direction, choice.y)
         };
         let Some(wi) = wi else { return Vec3::ZERO };
-        let wi_local = local_from_world(n, wi);
-        let reflectance = model.evaluate(wo_local, wi_local) * wi_local.z;
+        let wi_local = frame.local_from_world(wi);
+        let reflectance = layers.evaluate(wo_local, wi_local) * wi_local.z;
         if reflectance == Vec3::ZERO {
             return Vec3::ZERO;
         }
@@ -76,7 +75,7 @@ impl Tracer<'_> {
                     && !self.scene.is_occluded(&Ray { origin: lifted, direction: wi }, distance))
         };
         let (radiance, light_pdf) = light.evaluate(wi, arrives);
-        let pdf = share * f64::from(model.pdf(wo_local, wi_local)) + (1.0 - share) * light_pdf;
+        let pdf = share * f64::from(layers.pdf(wo_local, wi_local)) + (1.0 - share) * light_pdf;
         if pdf > 0.0 { ((reflectance * radiance).as_dvec3() / pdf).as_vec3() } else { Vec3::ZERO }
     }
 }

@@ -1,4 +1,5 @@
 use glam::{Mat3, Vec3, Vec3A};
+use gnomon_brdf::{Frame, Surface};
 use gnomon_scene::{AlphaMode, MeshId, Scene, WorldVertices, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -28,6 +29,8 @@ struct Instance {
     mesh: MeshId,
     /// Takes normals of [`Scene::surface_at`], or of deformed vertices, to world space, up to their length.
     normal_from_mesh: Mat3,
+    /// -1 where its placement mirrors it, else 1.
+    handedness: f32,
     /// Has an alpha mask.
     has_holes: bool,
     /// Its vertices, where a skin or morph targets move them.
@@ -58,11 +61,11 @@ pub(crate) struct HitPoint {
     pub(crate) position: Vec3,
     /// Unit normal of the triangle's plane, world space, on the viewer's side.
     pub(crate) geometric_normal: Vec3,
-    /// Unit shading normal on the same side.
-    pub(crate) shading_normal: Vec3,
+    /// About the shading normal, which is on the same side.
+    pub(crate) frame: Frame,
     /// Distance along the normal that clears the rounding of `position` [m].
     pub(crate) clearance: f32,
-    pub(crate) surface: gnomon_brdf::Surface,
+    pub(crate) surface: Surface,
     pub(crate) emissive: Vec3,
 }
 
@@ -99,13 +102,15 @@ impl<'a> TracedScene<'a> {
                     triangles.push(Triangle { corners, instance, index: index as u32 });
                 }
             }
+            // Deformed vertices are in world space already.
+            let (normal_from_mesh, handedness) = match deformed {
+                Some(_) => (Mat3::IDENTITY, 1.0),
+                None => (normal_matrix(&world_from_mesh), world_from_mesh.matrix3.determinant().signum()),
+            };
             instances.push(Instance {
                 mesh: placed.mesh,
-                normal_from_mesh: if deformed.is_some() {
-                    Mat3::IDENTITY
-                } else {
-                    normal_matrix(&world_from_mesh)
-                },
+                normal_from_mesh,
+                handedness,
                 has_holes: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
                 deformed,
             });
@@ -147,12 +152,16 @@ impl<'a> TracedScene<'a> {
         let geometric_normal = towards(wo, Vec3::from((b - a).cross(c - a).normalize_or(Vec3A::Y)));
         let shading_normal =
             (instance.normal_from_mesh * point.shading_normal).try_normalize().unwrap_or(geometric_normal);
+        let n = towards(geometric_normal, shading_normal);
+        // The bitangent is the mesh's, whichever side is seen.
+        let bitangent_sign = point.tangent.w * instance.handedness * n.dot(shading_normal);
+        let tangent = instance.normal_from_mesh * point.tangent.truncate();
         let weights = hit.barycentrics;
         let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
         HitPoint {
             position: (a * weights.x + b * weights.y + c * weights.z).into(),
             geometric_normal,
-            shading_normal: towards(geometric_normal, shading_normal),
+            frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
             clearance: CLEARANCE * largest,
             surface: point.surface,
             emissive: point.emissive,

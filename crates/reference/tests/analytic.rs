@@ -4,13 +4,14 @@
 mod support;
 
 use glam::{DVec3, Vec2, Vec3};
-use gnomon_brdf::{Model, Surface, dfg, local_from_world};
+use gnomon_brdf::{Frame, Model, Surface, dfg};
 use gnomon_envmap::Equirect;
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_metrics::penumbra::disk_visibility;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{Estimate, ReferenceOptions, ResidualShadows, render, render_lights};
 use gnomon_scene::{Camera, Projection, Scene};
+use gnomon_testing::{glossy_models, glossy_surface};
 use support::{constant_environment, downward_strip, floor, lambert, polygon, scene, sphere};
 
 fn options(width: u32, height: u32, samples_per_pixel: u32) -> ReferenceOptions<'static> {
@@ -92,21 +93,8 @@ fn glossy_models_match_quadrature() {
     let map = Equirect::new(RgbImage::from_fn(64, 32, |x, y| {
         Vec3::splat(if (x / 6, y / 4) == (3, 2) { 20.0 } else { 0.2 + 0.01 * x as f32 })
     }));
-    let models = [
-        (Model::Phong, 40.0),
-        (Model::BlinnPhong, 120.0),
-        (Model::TorranceSparrowBeckmann, 0.25),
-        (Model::TorranceSparrowGaussian, 0.4),
-    ];
-    for (model, parameter) in models {
-        let surface = Surface {
-            model,
-            shininess: parameter,
-            slope: parameter,
-            specular: 0.3,
-            ior: 3.0,
-            ..Surface::default()
-        };
+    for model in glossy_models() {
+        let surface = Surface { specular: 0.3, ior: 3.0, ..glossy_surface(model, 0.45) };
         let seen = |tilt: f32, map: &Equirect| {
             let eye = Vec3::new(tilt.sin(), tilt.cos(), 0.0);
             let camera = Camera::look_at(eye, Vec3::ZERO, 1.0);
@@ -115,7 +103,7 @@ fn glossy_models_match_quadrature() {
             (eye, render(&floor, &camera, map, &options(16, 16, 256)).unwrap())
         };
         let (wo, estimate) = seen(0.7, &map);
-        let lobe = surface.reflectance();
+        let (layers, frame) = (surface.layers(), Frame::from_normal(Vec3::Y));
         let (columns, rows) = (1024, 512);
         let mut expected = 0.0;
         for i in 0..columns * rows {
@@ -123,7 +111,7 @@ fn glossy_models_match_quadrature() {
             let uv = uv / Vec2::new(columns as f32, rows as f32);
             let wi = Equirect::direction_from_uv(uv);
             if wi.y > 0.0 {
-                let f = lobe.evaluate(local_from_world(Vec3::Y, wo), local_from_world(Vec3::Y, wi));
+                let f = layers.evaluate(frame.local_from_world(wo), frame.local_from_world(wi));
                 let weight = wi.y * (std::f32::consts::PI * uv.y).sin();
                 expected += f64::from(f.x * map.lookup(wi).x * weight);
             }

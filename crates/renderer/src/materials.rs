@@ -1,5 +1,4 @@
 use glam::{Vec3, Vec4};
-use gnomon_brdf::Model;
 use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
@@ -101,7 +100,7 @@ impl Materials {
 }
 
 fn uniform(material: &Material) -> layout::Material {
-    let surface = &material.surface;
+    let surface = material.surface.of_its_model();
     let mut uv_rows = [Vec4::ZERO; 12];
     for (i, (reference, _)) in textures(material).into_iter().enumerate() {
         let (matrix, set) = reference.map_or(Default::default(), |r| (r.uv_from_mesh, r.set as f32));
@@ -109,30 +108,22 @@ fn uniform(material: &Material) -> layout::Material {
         uv_rows[2 * i] = Vec4::new(x.x, y.x, t.x, set);
         uv_rows[2 * i + 1] = Vec4::new(x.y, y.y, t.y, set);
     }
-    // What a model leaves out of a surface has no effect here: a lambertian one reflects only its base colour, the specular colour of
-    // the Phong models is that of an interface which reflects everything.
-    let (metallic, specular, ior) = match surface.model {
-        Model::Lambert => (0.0, 0.0, surface.ior),
-        Model::Phong | Model::BlinnPhong => (0.0, surface.specular, 0.0),
-        _ => (surface.metallic, surface.specular, surface.ior),
-    };
-    let model = if surface.model == Model::Lambert { Model::MetallicRoughness } else { surface.model };
     let has_normal_texture = material.normal_texture.is_some();
     layout::Material {
         base_color: surface.base_color.extend(material.alpha),
         emissive: material.emissive,
-        metallic,
+        metallic: surface.metallic,
         specular_color: surface.specular_color,
-        specular,
+        specular: surface.specular,
         roughness: surface.roughness,
-        ior,
+        ior: surface.ior,
         normal_scale: if has_normal_texture { material.normal_scale } else { 0.0 },
         alpha_cutoff: match material.alpha_mode {
             AlphaMode::Opaque => 0.0,
             AlphaMode::Mask { cutoff } => cutoff,
         },
-        model: model as u32,
-        lobe_parameter: surface.lobe_parameter(),
+        model: surface.model as u32,
+        lobe_parameter: surface.shape(),
         uv_rows,
     }
 }

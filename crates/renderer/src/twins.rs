@@ -190,7 +190,7 @@ fn ggx() {
         |[a, _]| scalar(gnomon_brdf::v_smith_ggx_correlated(a.x, a.y, a.z)),
     );
     compare(
-        "brdf_ggx",
+        "brdf_lobe",
         "vec4f(f_schlick(a.xyz, a.w, b.x), 0.0)",
         1e-5,
         |u, v| [u, v],

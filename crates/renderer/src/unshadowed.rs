@@ -1,7 +1,6 @@
 //! Where the unshadowed light that shadows are taken from comes from, side by side on one interface (DeCoro and Rusinkiewicz 2008,
 //! section 3.1).
 
-use gnomon_brdf::Model;
 use gnomon_scene::Scene;
 use gnomon_shaders::layout::CachedLobe;
 
@@ -16,8 +15,8 @@ pub struct Unshadowed {
     pub summary: &'static str,
     /// Matte surfaces take nine spherical harmonics instead of the irradiance map.
     pub(crate) spherical_harmonics: bool,
-    /// GGX takes the radiance cache instead of the prefiltered environment.
-    pub(crate) caches_ggx: bool,
+    /// Lobes that the prefiltered environment is right for take the radiance cache instead.
+    pub(crate) caches_prefiltered: bool,
 }
 
 impl Unshadowed {
@@ -25,12 +24,8 @@ impl Unshadowed {
     pub(crate) fn cached_lobes(&self, scene: &Scene) -> Vec<CachedLobe> {
         let mut lobes: Vec<CachedLobe> = Vec::new();
         for surface in scene.materials.iter().map(|material| &material.surface) {
-            let cached = match surface.model {
-                Model::Lambert => false,
-                Model::MetallicRoughness => self.caches_ggx,
-                _ => true,
-            };
-            let lobe = CachedLobe { model: surface.model as u32, parameter: surface.lobe_parameter() };
+            let cached = self.caches_prefiltered || !surface.model.is_prefiltered();
+            let lobe = CachedLobe { model: surface.model as u32, shape: surface.shape() };
             if cached && !surface.is_matte() && !lobes.contains(&lobe) {
                 lobes.push(lobe);
             }
@@ -45,19 +40,19 @@ pub const UNSHADOWED: &[Unshadowed] = &[
         name: "auto",
         summary: "irradiance map; for GGX the prefiltered environment, for other lobes a radiance cache made every frame",
         spherical_harmonics: false,
-        caches_ggx: false,
+        caches_prefiltered: false,
     },
     Unshadowed {
         name: "sh",
         summary: "irradiance from nine spherical harmonics (Ramamoorthi and Hanrahan 2001), else as auto",
         spherical_harmonics: true,
-        caches_ggx: false,
+        caches_prefiltered: false,
     },
     Unshadowed {
         name: "cache",
         summary: "a radiance cache made every frame for every lobe (DeCoro and Rusinkiewicz 2008)",
         spherical_harmonics: false,
-        caches_ggx: true,
+        caches_prefiltered: true,
     },
 ];
 

@@ -5,38 +5,29 @@ mod common;
 
 use common::*;
 use glam::{Affine3A, Vec2, Vec3};
-use gnomon_brdf::{MAX_SHININESS, MAX_SLOPE, MIN_SLOPE, Model, Surface};
+use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;
 use gnomon_lights::fit::{FitOptions, by_name};
 use gnomon_picture::RgbImage;
 use gnomon_renderer::RenderSettings;
 use gnomon_renderer::composite::COMPOSITINGS;
 use gnomon_scene::{Camera, Material, MaterialId, Scene};
+use gnomon_testing::glossy_models;
 
 const SIZE: [u32; 2] = [64, 48];
 
-/// Every model at both ends of its parameter, and a mirror.
+/// Every model at both ends of what shapes its lobe, and a mirror.
 fn surfaces() -> Vec<Surface> {
-    let of = |model, parameter: f32| Surface {
-        base_color: Vec3::splat(0.5),
-        specular: 1.0,
-        model,
-        roughness: parameter.min(1.0),
-        metallic: if parameter == 0.0 { 1.0 } else { 0.0 },
-        shininess: parameter,
-        slope: parameter,
-        ..Surface::default()
-    };
-    vec![
-        of(Model::MetallicRoughness, 0.0),
-        of(Model::MetallicRoughness, 0.3),
-        of(Model::Phong, 0.0),
-        of(Model::Phong, MAX_SHININESS),
-        of(Model::BlinnPhong, MAX_SHININESS),
-        of(Model::TorranceSparrowBeckmann, MIN_SLOPE),
-        of(Model::TorranceSparrowBeckmann, MAX_SLOPE),
-        of(Model::TorranceSparrowGaussian, MIN_SLOPE),
-    ]
+    let base = Surface { base_color: Vec3::splat(0.5), specular: 1.0, ..Surface::default() };
+    let mut surfaces = vec![Surface { metallic: 1.0, roughness: 0.0, ..base }];
+    for model in glossy_models() {
+        for end in model.shape().unwrap().range {
+            let mut surface = Surface { model, ..base };
+            (model.shape().unwrap().set)(&mut surface, Vec3::splat(end));
+            surfaces.push(surface);
+        }
+    }
+    surfaces
 }
 
 /// Rows of spheres close enough to shadow one another and the ground.

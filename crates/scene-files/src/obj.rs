@@ -206,7 +206,7 @@ impl Reader {
                 group.mesh.colors = Vec::new();
             }
             let material = group.mesh.material.and_then(|id| self.scene.materials.get(id.0));
-            let tangent_set = material.and_then(|m| m.normal_texture).map(|texture| texture.set);
+            let tangent_set = material.and_then(Material::tangent_set);
             let mesh =
                 geometry::finish(group.mesh, tangent_set, "the mesh", budget, &mut self.scene.warnings)?;
             self.scene.push_mesh(&name, mesh);

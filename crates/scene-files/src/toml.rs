@@ -142,19 +142,29 @@ impl Default for Scale {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct MaterialEntry {
     reflectance: Option<String>,
-    base_color: Option<[f32; 3]>,
-    metallic: Option<f32>,
-    roughness: Option<f32>,
-    specular: Option<f32>,
-    specular_color: Option<[f32; 3]>,
-    ior: Option<f32>,
-    shininess: Option<f32>,
-    slope: Option<f32>,
     emissive: Option<[f32; 3]>,
     double_sided: Option<bool>,
+    /// Of the reflectance model.
+    #[serde(flatten)]
+    parameters: BTreeMap<String, Numbers>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a parameter of a material is one number or three")]
+enum Numbers {
+    One(f32),
+    Three([f32; 3]),
+}
+
+impl Numbers {
+    fn as_slice(&self) -> &[f32] {
+        match self {
+            Self::One(number) => std::slice::from_ref(number),
+            Self::Three(numbers) => numbers,
+        }
+    }
 }
 
 struct Reader<'a> {
@@ -256,19 +266,8 @@ impl Reader<'_> {
         let entry = spanned.get_ref();
         let mistake = |message: String| self.at(spanned, format!("material '{}': {message}", quoted(name)));
         let mut material = Material { name: quoted(name), double_sided: true, ..Material::default() };
-        let colors = [("base_color", &entry.base_color), ("specular_color", &entry.specular_color)];
-        let numbers = [
-            ("metallic", &entry.metallic),
-            ("roughness", &entry.roughness),
-            ("specular", &entry.specular),
-            ("ior", &entry.ior),
-            ("shininess", &entry.shininess),
-            ("slope", &entry.slope),
-        ];
-        let colors = colors.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?.as_slice())));
-        let numbers =
-            numbers.into_iter().filter_map(|(key, value)| Some((key, std::slice::from_ref(value.as_ref()?))));
-        let settings = ReflectanceSettings::new(entry.reflectance.as_deref(), colors.chain(numbers));
+        let parameters = entry.parameters.iter().map(|(name, numbers)| (name.as_str(), numbers.as_slice()));
+        let settings = ReflectanceSettings::of_values(entry.reflectance.as_deref(), parameters);
         settings.map_err(mistake)?.apply(&mut material.surface);
         if let Some(color) = entry.emissive {
             if !color.iter().all(|value| (0.0..=f32::MAX).contains(value)) {

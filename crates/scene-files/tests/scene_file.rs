@@ -144,7 +144,7 @@ fn mistakes_are_named_with_their_line() {
         ("[material.a]\nroughness = 2\n", "line 1: material 'a': roughness must be 0 to 1"),
         (
             "[material.a]\nreflectance = \"phnog\"\n",
-            "line 1: material 'a': there is no reflectance 'phnog' (there are: lambert,",
+            "line 1: material 'a': there is no reflectance 'phnog' (there are: metallic-roughness, lambert,",
         ),
         ("[material.a]\nreflectance = \"phong\"\n", "line 1: material 'a': phong needs 'shininess'"),
         ("[material.a]\nreflectance = \"phong\"\nroughness = 1\n", "'roughness' is no parameter of phong"),

@@ -116,6 +116,12 @@ impl Default for Material {
 }
 
 impl Material {
+    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map.
+    pub fn tangent_set(&self) -> Option<usize> {
+        let needs_tangent = self.surface.model.needs_tangent();
+        self.normal_texture.map(|texture| texture.set).or(needs_tangent.then_some(0))
+    }
+
     /// Every place for a texture.
     pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 6] {
         [

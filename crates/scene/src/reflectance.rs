@@ -4,148 +4,57 @@ use std::fmt;
 use std::str::FromStr;
 
 use glam::Vec3;
-use gnomon_brdf::{MAX_SHININESS, MAX_SLOPE, MIN_SLOPE, MODELS, Model, Surface};
+use gnomon_brdf::{Model, Parameter, Surface};
 use gnomon_messages::quoted;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::{Material, MaterialId, Scene, SceneError};
 
 /// A reflectance model, and those of its parameters that are given.
 ///
 /// As text it is `MODEL` or `MODEL:KEY=VALUE,KEY=VALUE,...`, as in `phong:shininess=40,specular=0.3,diffuse=0.5`; a colour is one
-/// number, or three separated by `/`. The models are those of [`gnomon_brdf::MODELS`]; `SCENE_FORMAT.md` lists the keys.
+/// number, or three separated by `/`. The models are those of [`Model::ALL`]; `SCENE_FORMAT.md` lists the keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReflectanceSettings {
     model: Model,
-    /// Keys of [`PARAMETERS`] and their values, in range.
-    parameters: Vec<(&'static Parameter, Vec3)>,
-}
-
-/// A parameter of a surface as people write it.
-#[derive(Debug)]
-struct Parameter {
-    name: &'static str,
-    /// Three numbers instead of one.
-    is_color: bool,
-    least: f32,
-    most: f32,
-    get: fn(&Surface) -> Vec3,
-    set: fn(&mut Surface, Vec3),
-}
-
-impl PartialEq for Parameter {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-const fn number(
-    name: &'static str,
-    [least, most]: [f32; 2],
-    get: fn(&Surface) -> Vec3,
-    set: fn(&mut Surface, Vec3),
-) -> Parameter {
-    Parameter { name, is_color: false, least, most, get, set }
-}
-
-static PARAMETERS: [Parameter; 8] = [
-    Parameter {
-        name: "base_color",
-        is_color: true,
-        least: 0.0,
-        most: 1.0,
-        get: |surface| surface.base_color,
-        set: |surface, value| surface.base_color = value,
-    },
-    Parameter {
-        name: "specular_color",
-        is_color: true,
-        least: 0.0,
-        most: f32::MAX,
-        get: |surface| surface.specular_color,
-        set: |surface, value| surface.specular_color = value,
-    },
-    number(
-        "metallic",
-        [0.0, 1.0],
-        |surface| Vec3::splat(surface.metallic),
-        |surface, value| surface.metallic = value.x,
-    ),
-    number(
-        "roughness",
-        [0.0, 1.0],
-        |surface| Vec3::splat(surface.roughness),
-        |surface, value| surface.roughness = value.x,
-    ),
-    number(
-        "specular",
-        [0.0, 1.0],
-        |surface| Vec3::splat(surface.specular),
-        |surface, value| surface.specular = value.x,
-    ),
-    number("ior", [1.0, 10.0], |surface| Vec3::splat(surface.ior), |surface, value| surface.ior = value.x),
-    number(
-        "shininess",
-        [0.0, MAX_SHININESS],
-        |surface| Vec3::splat(surface.shininess),
-        |surface, value| surface.shininess = value.x,
-    ),
-    number(
-        "slope",
-        [MIN_SLOPE, MAX_SLOPE],
-        |surface| Vec3::splat(surface.slope),
-        |surface, value| surface.slope = value.x,
-    ),
-];
-
-/// Parameters that concern a model: those that must be given, and the others.
-fn concerning(model: Model) -> (&'static [&'static str], &'static [&'static str]) {
-    match model {
-        Model::Lambert => (&[], &["base_color"]),
-        Model::MetallicRoughness => {
-            (&[], &["base_color", "metallic", "roughness", "specular", "specular_color", "ior"])
-        }
-        Model::Phong | Model::BlinnPhong => (&["shininess", "specular"], &["base_color", "specular_color"]),
-        Model::TorranceSparrowBeckmann | Model::TorranceSparrowGaussian => {
-            (&["slope", "specular"], &["base_color", "metallic", "specular_color", "ior"])
-        }
-    }
+    /// In range, each once.
+    values: Vec<(&'static Parameter, Vec3)>,
 }
 
 impl ReflectanceSettings {
+    /// A model with what it needs to be given, as sliders start.
+    pub fn new(model: Model) -> Self {
+        let values = model.required().iter().map(|parameter| (*parameter, Vec3::splat(parameter.start)));
+        Self { model, values: values.collect() }
+    }
+
     /// A model and its parameters, `(name, values)`: one value for a number, three or one for a colour.
     ///
     /// # Errors
     /// What is wrong with them.
-    pub fn new<'a>(
+    pub fn of_values<'a>(
         model: Option<&str>,
         given: impl IntoIterator<Item = (&'a str, &'a [f32])>,
     ) -> Result<Self, String> {
+        let names = |names: &mut dyn Iterator<Item = &'static str>| names.collect::<Vec<_>>().join(", ");
         let model = match model {
             None => Model::default(),
-            Some(name) => gnomon_brdf::model(name).map(|entry| entry.model).ok_or_else(|| {
-                let names: Vec<_> = MODELS.iter().map(|entry| entry.name).collect();
-                format!("there is no reflectance '{}' (there are: {})", quoted(name), names.join(", "))
+            Some(name) => Model::named(name).ok_or_else(|| {
+                let known = names(&mut Model::ALL.iter().map(|model| model.name()));
+                format!("there is no reflectance '{}' (there are: {known})", quoted(name))
             })?,
         };
-        let (required, optional) = concerning(model);
-        let concerns = |name: &str| required.contains(&name) || optional.contains(&name);
-        let mut parameters: Vec<(&Parameter, Vec3)> = Vec::new();
-        for (name, values) in given {
-            // What the papers call the base colour of a model with a separate highlight.
-            let key = if name == "diffuse" { "base_color" } else { name };
-            let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.name == key && concerns(key))
-            else {
-                return Err(format!(
-                    "'{}' is no parameter of {} (there are: {})",
-                    quoted(name),
-                    model.name(),
-                    [required, optional].concat().join(", ")
-                ));
-            };
-            if parameters.iter().any(|(other, _)| other.name == key) {
-                return Err(format!("{key} is given twice"));
+        let mut values: Vec<(&Parameter, Vec3)> = Vec::new();
+        for (name, numbers) in given {
+            let parameter =
+                model.parameters().find(|parameter| parameter.is_called(name)).ok_or_else(|| {
+                    let known = names(&mut model.parameters().map(|parameter| parameter.name));
+                    format!("'{}' is no parameter of {} (there are: {known})", quoted(name), model.name())
+                })?;
+            if values.iter().any(|(other, _)| *other == parameter) {
+                return Err(format!("{} is given twice", parameter.name));
             }
-            let value = match *values {
+            let value = match *numbers {
                 [value] => Vec3::splat(value),
                 [x, y, z] if parameter.is_color => Vec3::new(x, y, z),
                 _ => {
@@ -153,23 +62,18 @@ impl ReflectanceSettings {
                     return Err(format!("{name} takes {count}"));
                 }
             };
-            let Parameter { least, most, .. } = *parameter;
-            if !value.to_array().iter().all(|value| (least..=most).contains(value)) {
+            if !parameter.allows(value) {
+                let [least, most] = parameter.range;
                 let range =
                     if most == f32::MAX { format!("at least {least}") } else { format!("{least} to {most}") };
                 return Err(format!("{name} must be {range}"));
             }
-            parameters.push((parameter, value));
+            values.push((parameter, value));
         }
-        match required.iter().find(|&&name| parameters.iter().all(|(parameter, _)| parameter.name != name)) {
-            Some(missing) => Err(format!("{} needs '{missing}'", model.name())),
-            None => Ok(Self { model, parameters }),
+        match model.required().iter().find(|needed| values.iter().all(|(given, _)| given != *needed)) {
+            Some(missing) => Err(format!("{} needs '{}'", model.name(), missing.name)),
+            None => Ok(Self { model, values }),
         }
-    }
-
-    /// The model.
-    pub fn model(&self) -> Model {
-        self.model
     }
 
     /// The model of a surface with every parameter that concerns it: [`ReflectanceSettings::apply`] makes of any surface one that
@@ -178,24 +82,46 @@ impl ReflectanceSettings {
     /// # Errors
     /// [`SceneError::Request`] for a parameter out of its range.
     pub fn of(surface: &Surface) -> Result<Self, SceneError> {
-        let (required, optional) = concerning(surface.model);
-        let names = required.iter().chain(optional).copied();
-        let given: Vec<(&str, [f32; 3], usize)> = names
-            .filter_map(|name| PARAMETERS.iter().find(|parameter| parameter.name == name))
-            .map(|parameter| {
-                let count = if parameter.is_color { 3 } else { 1 };
-                (parameter.name, (parameter.get)(surface).to_array(), count)
-            })
-            .collect();
-        let given = given.iter().map(|(name, values, count)| (*name, &values[..*count]));
-        Self::new(Some(surface.model.name()), given)
-            .map_err(|message| SceneError::Request(format!("reflectance: {message}")))
+        let values = surface.model.parameters().map(|parameter| (parameter, (parameter.get)(surface)));
+        let settings = Self { model: surface.model, values: values.collect() };
+        match settings.values.iter().find(|(parameter, value)| !parameter.allows(*value)) {
+            Some((parameter, _)) => {
+                Err(SceneError::Request(format!("reflectance: {} is out of its range", parameter.name)))
+            }
+            None => Ok(settings),
+        }
+    }
+
+    /// The model.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// The value of a parameter, where it is given.
+    pub fn get(&self, parameter: &Parameter) -> Option<Vec3> {
+        self.values.iter().find(|(given, _)| *given == parameter).map(|(_, value)| *value)
+    }
+
+    /// Gives a parameter of the model the allowed value that is nearest. `None` leaves it to the surface, where the model does not need it.
+    pub fn set(&mut self, parameter: &'static Parameter, value: Option<Vec3>) {
+        let place = self.values.iter().position(|(given, _)| *given == parameter);
+        let [least, most] = parameter.range.map(Vec3::splat);
+        match (place, value.map(|value| value.max(least).min(most))) {
+            (Some(place), Some(value)) => self.values[place].1 = value,
+            (None, Some(value)) if self.model.parameters().any(|known| known == parameter) => {
+                self.values.push((parameter, value));
+            }
+            (Some(place), None) if !self.model.required().contains(&parameter) => {
+                self.values.remove(place);
+            }
+            _ => {}
+        }
     }
 
     /// Gives a surface this model; parameters that are not given stay as they are.
     pub fn apply(&self, surface: &mut Surface) {
         surface.model = self.model;
-        for (parameter, value) in &self.parameters {
+        for (parameter, value) in &self.values {
             (parameter.set)(surface, *value);
         }
     }
@@ -205,7 +131,7 @@ impl fmt::Display for ReflectanceSettings {
     /// The text that parses to the same settings, to the last bit.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.model.name())?;
-        for (index, (parameter, value)) in self.parameters.iter().enumerate() {
+        for (index, (parameter, value)) in self.values.iter().enumerate() {
             let before = if index == 0 { ':' } else { ',' };
             write!(f, "{before}{}={}", parameter.name, value.x)?;
             if parameter.is_color {
@@ -235,21 +161,26 @@ impl FromStr for ReflectanceSettings {
             given.push((name.trim(), values));
         }
         let given = given.iter().map(|(name, values)| (*name, values.as_slice()));
-        Self::new(Some(model.trim()), given).map_err(bad)
+        Self::of_values(Some(model.trim()), given).map_err(bad)
+    }
+}
+
+/// As text.
+impl Serialize for ReflectanceSettings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for ReflectanceSettings {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
     }
 }
 
 /// What is wrong with a surface that gives back more light than it gets, if it does.
 pub fn excess(surface: &Surface) -> Option<String> {
-    // glTF's base lies under its interface, which takes its share.
-    if surface.model == Model::MetallicRoughness {
-        return None;
-    }
-    let layers = surface.layers();
-    let most = match surface.model {
-        Model::Phong | Model::BlinnPhong => (layers.diffuse + layers.f0).max_element(),
-        _ => (layers.diffuse + layers.f0.max(Vec3::splat(layers.f90))).max_element(),
-    };
+    let most = surface.layers().strength().max_element();
     (most > 1.0 + 1e-5).then(|| {
         format!(
             "{} with matte and glossy parts of together {most:.2} gives back more light than it gets",
@@ -312,9 +243,9 @@ mod tests {
 
     #[test]
     fn a_surface_and_its_text_are_the_same_reflectance() {
-        for entry in MODELS {
+        for &model in Model::ALL {
             let surface = Surface {
-                model: entry.model,
+                model,
                 base_color: Vec3::new(0.1, 1.0 / 3.0, 0.7),
                 specular: 0.123_456_79,
                 shininess: 33.3,
@@ -324,7 +255,7 @@ mod tests {
             let settings = ReflectanceSettings::of(&surface).unwrap();
             let text = settings.to_string();
             assert_eq!(text.parse::<ReflectanceSettings>().unwrap(), settings, "{text}");
-            let mut other = Surface { model: entry.model, ..Surface::default() };
+            let mut other = Surface { model, ..Surface::default() };
             settings.apply(&mut other);
             assert_eq!(ReflectanceSettings::of(&other).unwrap(), settings, "{text}");
         }
@@ -335,7 +266,7 @@ mod tests {
     fn mistakes_are_named() {
         for (text, reason) in [
             ("", "there is no reflectance ''"),
-            ("shiny", "there is no reflectance 'shiny' (there are: lambert, metallic-roughness, phong,"),
+            ("shiny", "there is no reflectance 'shiny' (there are: metallic-roughness, lambert, phong,"),
             ("phong", "phong needs 'shininess'"),
             ("phong:shininess=40", "phong needs 'specular'"),
             ("phong:shininess=40,specular=2", "specular must be 0 to 1"),

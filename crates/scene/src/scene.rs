@@ -28,7 +28,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit shading normals in mesh space. Loaders make flat ones (vertices unshared) where the file has none.
     pub normals: Vec<Vec3>,
-    /// Unit tangents with the bitangent's sign in w; empty unless the material has a normal texture.
+    /// Unit tangents with the bitangent's sign in w; empty unless the material needs them: for a normal
+    /// texture, or an anisotropic reflectance.
     pub tangents: Vec<Vec4>,
     /// Up to two texture coordinate sets; a missing set is empty.
     pub uvs: [Vec<Vec2>; 2],

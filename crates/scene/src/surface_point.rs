@@ -16,6 +16,8 @@ pub struct SurfacePoint {
     pub surface: Surface,
     /// Interpolated vertex normal bent by the normal map.
     pub shading_normal: Vec3,
+    /// Interpolated tangent with the bitangent's sign in w; zero where the mesh has none.
+    pub tangent: Vec4,
     /// Normal of the triangle's plane; the shading normal where the triangle has no area.
     pub geometric_normal: Vec3,
     /// Both texture coordinate sets, zero where the mesh has none.
@@ -96,15 +98,19 @@ impl Scene {
         };
         let smooth = interpolated.or(plane).unwrap_or(Vec3::Y);
         let mut shading_normal = smooth;
-        if let (Some(texture), false) = (material.normal_texture, tangents.is_empty()) {
+        let mut tangent = Vec4::ZERO;
+        if !tangents.is_empty() {
             let tangents = corners.map(|index| tangents[index]);
-            let tangent = weighted(barycentrics, tangents.map(Vec4::truncate)).extend(tangents[0].w);
+            tangent = weighted(barycentrics, tangents.map(Vec4::truncate)).extend(tangents[0].w);
+        }
+        if let (Some(texture), false) = (material.normal_texture, tangents.is_empty()) {
             let texel = self.linear(texture, uvs).truncate();
             shading_normal = perturb_normal(smooth, tangent, texel, material.normal_scale);
         }
         SurfacePoint {
             surface,
             shading_normal,
+            tangent,
             geometric_normal: plane.unwrap_or(smooth),
             uvs,
             emissive,

@@ -3,6 +3,7 @@
 //! Nothing here needs a GPU: all entry points are parsed and validated by naga in the tests.
 
 pub mod layout;
+mod models;
 mod modules;
 pub mod twin;
 

@@ -1,4 +1,6 @@
-use std::collections::BTreeSet;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
 
 /// A shader could not be put together. Always a fault of the project, never of the user's input.
 #[derive(Debug, thiserror::Error)]
@@ -32,75 +34,17 @@ pub struct Entry {
     pub slots: &'static [(&'static str, &'static [&'static str])],
 }
 
-macro_rules! sources {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*]
-    };
-}
+/// Every file of `wgsl/`: its name and text.
+const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
-const MODULES: &[(&str, &str)] = sources![
-    "basis",
-    "brdf_area",
-    "brdf_blinn_phong",
-    "brdf_ggx",
-    "brdf_phong",
-    "brdf_reflectance",
-    "brdf_sampling",
-    "brdf_torrance_sparrow",
-    "cached_radiance",
-    "compose",
-    "composite_additive",
-    "composite_ratio",
-    "composite_subtractive",
-    "contact_shadow",
-    "convolution_visibility",
-    "debug_view",
-    "depth_moments",
-    "downsample",
-    "environment",
-    "equirect_texture",
-    "form_factor",
-    "frame",
-    "gbuffer",
-    "gbuffer_surface",
-    "hemisphere",
-    "light",
-    "light_outline",
-    "light_shading",
-    "light_sums",
-    "lit_outline",
-    "math",
-    "moments",
-    "outline_angle",
-    "prefiltered",
-    "present",
-    "radiance_cache",
-    "receiver_plane",
-    "resample",
-    "resolve",
-    "sample_pattern",
-    "sample_places",
-    "series",
-    "sh",
-    "shading_points",
-    "shadow_buffer",
-    "shadow_convolution",
-    "shadow_convolution_anisotropic",
-    "shadow_convolution_sat",
-    "shadow_frame",
-    "shadow_hard",
-    "shadow_hard_linear",
-    "shadow_map",
-    "shadow_moments",
-    "shadow_none",
-    "shadow_pcf",
-    "shadow_pcss",
-    "summed_area",
-    "tonemap",
-    "transform",
-    "view",
-    "weighted_box",
-];
+/// Name and text of every module: the files, and what is made of lists in Rust.
+static MODULES: LazyLock<BTreeMap<&str, Cow<'_, str>>> = LazyLock::new(|| {
+    let mut modules: BTreeMap<_, _> = FILES.iter().map(|(name, text)| (*name, Cow::from(*text))).collect();
+    let models = crate::models::source(|module, text| modules.get(module).is_some_and(|m| m.contains(text)));
+    modules.insert("brdf_models", models.into());
+    modules.insert("types", crate::layout::MODULE.as_str().into());
+    modules
+});
 
 /// Every module that the renderer makes a pipeline of.
 pub const ENTRIES: &[Entry] = &[
@@ -139,19 +83,9 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "transform", slots: &[] },
 ];
 
-/// Module of what [`crate::layout`] declares.
-const TYPES: &str = "types";
-
 /// Names of all modules.
 pub fn modules() -> impl Iterator<Item = &'static str> {
-    MODULES.iter().map(|(name, _)| *name).chain([TYPES])
-}
-
-fn source(module: &str) -> Option<&'static str> {
-    if module == TYPES {
-        return Some(crate::layout::MODULE.as_str());
-    }
-    MODULES.iter().find(|(name, _)| *name == module).map(|(_, source)| *source)
+    MODULES.keys().copied()
 }
 
 /// The WGSL of `module` with everything it imports before it, each module once.
@@ -174,7 +108,7 @@ impl Resolver<'_> {
         if !self.done.insert(module.to_owned()) {
             return Ok(());
         }
-        let source = source(module).ok_or_else(|| ShaderError::UnknownModule {
+        let source = MODULES.get(module).ok_or_else(|| ShaderError::UnknownModule {
             module: module.to_owned(),
             importer: importer.to_owned(),
         })?;

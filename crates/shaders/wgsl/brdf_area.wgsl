@@ -1,14 +1,20 @@
-#import brdf_reflectance
+#import math
 
 // Glossy lobes over area lights: `gnomon_brdf`'s area.rs says how far they hold.
 
-// A light as a surface point sees it: unit vector to its middle, and from there to the middles of two sides (or the rim of a disk) at a
-// distance of 1, perpendicular to it.
+// A light as a surface point sees it, in the point's tangent frame.
 struct LightPatch {
+    // Unit vector to its middle.
     direction: vec3f,
+    // From there to the middles of two sides (or the rim of a disk) at a distance of 1, perpendicular to it.
     half_width: vec3f,
     half_height: vec3f,
     is_disk: bool,
+    // Steradians.
+    solid_angle: f32,
+    // Unit vector to its point nearest to the mirrored view; to its middle where it is infinitely far.
+    nearest: vec3f,
+    is_distant: bool,
 }
 
 // Abramowitz and Stegun 1964, 7.1.26; its series where that is the better.
@@ -65,66 +71,43 @@ fn power_distance(cosine: f32, s: f32) -> f32 {
     return sqrt(-2.0 * s / (s + 1.0) * log(clamp(cosine, 1e-20, 1.0)));
 }
 
-// From `to`, `distance` away, to `from`, in the plane across `from`.
+// From `to`, `distance` away, to `origin`, in the plane across `origin`.
 fn away(origin: vec3f, to: vec3f, distance: f32) -> vec3f {
     let across = to - origin * dot(origin, to);
     let length2 = dot(across, across);
     return select(vec3f(0.0), -distance * across * inverseSqrt(max(length2, 1e-30)), length2 > 0.0);
 }
 
-// What a half vector h of |wo + wi| = `sum` turns by as wi moves by e.
-fn half_vector_turn(h: vec3f, sum: f32, e: vec3f) -> vec3f {
-    return (e - h * dot(h, e)) / max(sum, 1e-6);
+// A light in the plane across the half vector to its middle: what the half vector turns by as wi goes over the light.
+struct HalfVectorPatch {
+    h: vec3f,
+    half_width: vec3f,
+    half_height: vec3f,
+    is_disk: bool,
+    n_dot_h: f32,
+    v_dot_h: f32,
+    // False where the light's middle is under the surface, or the half vector about perpendicular to the normal or the view.
+    is_seen: bool,
 }
 
-// `reflectance_lobe` times the cosine, integrated over an area light: radiance reflected per unit of the light's, x f0 + y f90.
-fn light_lobe(model: u32, parameter: f32, n: vec3f, wo: vec3f, light: LightPatch) -> vec2f {
-    let wi = light.direction;
-    let a = light.half_width;
-    let b = light.half_height;
-    let n_dot_l = dot(n, wi);
-    if n_dot_l <= 0.0 {
-        return vec2f(0.0);
-    }
-    if model == MODEL_PHONG {
-        let mirrored = reflect(-wo, n);
-        let at = away(wi, mirrored, power_distance(dot(mirrored, wi), parameter));
-        let on_light = gaussian_patch(at, a, b, inverseSqrt(parameter + 1.0), light.is_disk);
-        return vec2f((parameter + 2.0) / (parameter + 1.0) * on_light * n_dot_l, 0.0);
-    }
-    if model == MODEL_METALLIC_ROUGHNESS {
-        let flat_area = select(4.0, PI, light.is_disk) * length(cross(a, b));
-        return reflectance_lobe(model, parameter, n, wo, wi) * (n_dot_l * flat_area);
-    }
-    let sum = length(wo + wi);
-    let h = (wo + wi) / max(sum, 1e-6);
-    let n_dot_h = dot(n, h);
+fn half_vector_patch(wo: vec3f, light: LightPatch) -> HalfVectorPatch {
+    let sum = wo + light.direction;
+    let sum_length = max(length(sum), 1e-6);
+    let h = sum / sum_length;
     let v_dot_h = dot(wo, h);
-    if model == MODEL_LAMBERT || n_dot_h <= 1e-2 || v_dot_h <= 1e-3 {
-        return vec2f(0.0);
-    }
-    let turn_a = half_vector_turn(h, sum, a);
-    let turn_b = half_vector_turn(h, sum, b);
-    if model == MODEL_BLINN_PHONG {
-        let at = away(h, n, power_distance(n_dot_h, parameter));
-        let on_light = gaussian_patch(at, turn_a, turn_b, inverseSqrt(parameter + 1.0), light.is_disk);
-        let norm = blinn_phong_norm(parameter) * TAU / (parameter + 1.0);
-        return vec2f(norm * 4.0 * v_dot_h * on_light * n_dot_l, 0.0);
-    }
-    var on_light = 0.0;
-    var masking_slope = parameter;
-    let sigma = parameter * 0.70710678;
-    if model == MODEL_TORRANCE_SPARROW_BECKMANN {
-        let tangent = sqrt(max(1.0 - n_dot_h, 0.0) * (1.0 + n_dot_h)) / n_dot_h;
-        let c2 = n_dot_h * n_dot_h;
-        on_light = gaussian_patch(away(h, n, tangent), turn_a, turn_b, sigma, light.is_disk) / (c2 * c2);
-    } else {
-        let at = away(h, n, angle_from_cosine(n_dot_h));
-        on_light = gaussian_patch(at, turn_a, turn_b, sigma, light.is_disk) / gaussian_norm(parameter);
-        masking_slope = gaussian_masking_slope(parameter);
-    }
-    let n_dot_v = max(dot(n, wo), MIN_N_DOT_V);
-    let masking = g1_smith_beckmann(n_dot_v, masking_slope) * g1_smith_beckmann(n_dot_l, masking_slope) / n_dot_v;
-    let share = schlick_share(v_dot_h);
-    return on_light * v_dot_h * masking * vec2f(1.0 - share, share);
+    return HalfVectorPatch(
+        h,
+        (light.half_width - h * dot(h, light.half_width)) / sum_length,
+        (light.half_height - h * dot(h, light.half_height)) / sum_length,
+        light.is_disk,
+        h.z,
+        v_dot_h,
+        light.direction.z > 0.0 && h.z > 1e-2 && v_dot_h > 1e-3,
+    );
+}
+
+// Share of a normal distribution about the normal, which is `distance` away, that lies on the light.
+fn half_vector_share(on: HalfVectorPatch, distance: f32, sigma: f32) -> f32 {
+    let at = away(on.h, vec3f(0.0, 0.0, 1.0), distance);
+    return gaussian_patch(at, on.half_width, on.half_height, sigma, on.is_disk);
 }

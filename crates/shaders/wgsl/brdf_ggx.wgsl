@@ -1,6 +1,11 @@
-#import math
+#import brdf_sampling
 
 // Symbols: n normal, v = wo, l = wi, h half vector; alpha = roughness^2.
+
+// At least `gnomon_brdf::MIN_ALPHA`.
+fn alpha_from_roughness(roughness: f32) -> f32 {
+    return clamp(roughness * roughness, 0.002, 1.0);
+}
 
 // Trowbridge-Reitz (Walter et al. 2007, eq. 33), 1 / sr.
 fn d_ggx(n_dot_h: f32, alpha: f32) -> f32 {
@@ -15,13 +20,6 @@ fn v_smith_ggx_correlated(n_dot_v: f32, n_dot_l: f32, alpha: f32) -> f32 {
     let v = n_dot_l * sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2);
     let l = n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2);
     return 0.5 / max(v + l, 1e-7);
-}
-
-// Schlick 1994, eq. 15, with a free value at grazing incidence.
-fn f_schlick(f0: vec3f, f90: f32, v_dot_h: f32) -> vec3f {
-    let m = clamp(1.0 - v_dot_h, 0.0, 1.0);
-    let m2 = m * m;
-    return f0 + (vec3f(f90) - f0) * (m2 * m2 * m);
 }
 
 // Smith masking of one direction (Heitz 2014, eqs. 43 and 72) of a positive cosine.
@@ -48,11 +46,10 @@ fn sample_ggx_vndf(wo: vec3f, alpha: f32, u: vec2f) -> vec3f {
 }
 
 // Density of wo's reflection about such a normal, 1 / sr (Heitz 2018, eqs. 3 and 17).
-fn pdf_ggx_vndf(n: vec3f, wo: vec3f, wi: vec3f, alpha: f32) -> f32 {
-    let h = normalize(wo + wi);
-    let n_dot_v = dot(n, wo);
-    if n_dot_v <= 0.0 || dot(wo, h) <= 0.0 {
+fn pdf_ggx_vndf(wo: vec3f, wi: vec3f, alpha: f32) -> f32 {
+    let h = half_vector(wo, wi);
+    if wo.z <= 0.0 || dot(wo, h) <= 0.0 {
         return 0.0;
     }
-    return g1_smith_ggx(n_dot_v, alpha) * d_ggx(saturate(dot(n, h)), alpha) / (4.0 * n_dot_v);
+    return g1_smith_ggx(wo.z, alpha) * d_ggx(saturate(h.z), alpha) / (4.0 * wo.z);
 }

@@ -1,24 +1,10 @@
 #import math
 
-// Frames and samples that the reflectance models share.
+// What the reflectance models' samplers share.
 
-// A vector of the frame whose z axis is the unit vector n, in world space (Duff et al. 2017).
-fn world_from_local(n: vec3f, local: vec3f) -> vec3f {
-    let s = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (s + n.z);
-    let b = n.x * n.y * a;
-    let x = vec3f(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
-    let y = vec3f(b, s + n.y * n.y * a, -n.y);
-    return x * local.x + y * local.y + n * local.z;
-}
-
-fn local_from_world(n: vec3f, world: vec3f) -> vec3f {
-    let s = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (s + n.z);
-    let b = n.x * n.y * a;
-    let x = vec3f(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
-    let y = vec3f(b, s + n.y * n.y * a, -n.y);
-    return vec3f(dot(world, x), dot(world, y), dot(world, n));
+// wo mirrored about the surface's normal.
+fn mirrored(wo: vec3f) -> vec3f {
+    return vec3f(-wo.xy, wo.z);
 }
 
 // cosine^exponent, 0 for a negative cosine unless the exponent is 0.

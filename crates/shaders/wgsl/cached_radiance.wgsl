@@ -1,5 +1,5 @@
 #import types
-#import brdf_reflectance
+#import brdf_models
 #import hemisphere
 
 // Lookups in the radiance cache.
@@ -8,13 +8,13 @@
 @group(GROUP_FRAME) @binding(7) var cached_f0: texture_2d_array<f32>;
 @group(GROUP_FRAME) @binding(8) var cached_f90: texture_2d_array<f32>;
 
-// The layer of the lobe of a model whose parameter is nearest in ratio, or -1.
-fn cached_lobe(model: u32, parameter: f32) -> i32 {
+// The layer of the same model's lobe whose shape is nearest in ratio, or -1.
+fn cached_layer(lobe: Lobe) -> i32 {
     var nearest = -1;
     var least = 1e30;
     for (var i = 0u; i < cache.count; i++) {
-        let ratio = abs(log2(max(parameter, 1e-6) / max(cache.lobes[i].parameter, 1e-6)));
-        if cache.lobes[i].model == model && ratio < least {
+        let ratio = abs(log2(max(lobe.shape, 1e-6) / max(cache.lobes[i].shape, 1e-6)));
+        if cache.lobes[i].model == lobe.model && ratio < least {
             nearest = i32(i);
             least = ratio;
         }
@@ -33,15 +33,17 @@ fn cached_texel(map: texture_2d_array<f32>, position: vec2f, layer: i32) -> vec3
 
 // What a lobe reflects of the whole environment about `reflected`. The cache's viewer is at infinity: the normal that mirrors
 // `reflected` to that viewer stands for the surface's own, so that the lobe lies where it should.
-fn cached_radiance(layer: i32, reflected: vec3f, n_dot_v: f32, f0: vec3f, f90: f32) -> vec3f {
+fn cached_radiance(layer: i32, reflected: vec3f, n_dot_v: f32, lobe: Lobe) -> vec3f {
     let sum = reflected + cache.to_viewer;
     let n = select(cache.to_viewer, normalize(sum), dot(sum, sum) > 1e-8);
     let place = hemisphere_encode(vec3f(dot(n, cache.right), dot(n, cache.up), dot(n, cache.to_viewer)));
     let size = vec2f(textureDimensions(cached_f0));
     let position = saturate(0.5 * place + 0.5) * (size - 1.0);
-    // At the lobe's centre Phong models go with the cosine to the light, which is that to the viewer.
     let cosines = n_dot_v / max(dot(n, cache.to_viewer), 1e-4);
-    let is_phong = cache.lobes[layer].model == MODEL_PHONG || cache.lobes[layer].model == MODEL_BLINN_PHONG;
-    let scale = select(1.0, cosines, is_phong);
-    return scale * (f0 * cached_texel(cached_f0, position, layer) + f90 * cached_texel(cached_f90, position, layer));
+    return reflectance_cached(
+        lobe,
+        cached_texel(cached_f0, position, layer),
+        cached_texel(cached_f90, position, layer),
+        cosines,
+    );
 }

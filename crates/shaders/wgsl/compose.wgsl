@@ -1,6 +1,5 @@
 #import environment
 #import gbuffer_surface
-#import brdf_reflectance
 #import cached_radiance
 #import sh
 #import light_sums
@@ -37,10 +36,9 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
 
     // Of the ambient rest, what the probes see.
     let open = select(1.0, sums.probed_open / sums.probed, sums.probed > 0.0);
-    // What the dielectric's surface lets through to its base, F taken for light along the normal: glTF weighs the base by F at
-    // v.h, which stays far from grazing for most light even where n.v does not.
-    let interface_f0_f90 = surface.interface_f0_f90;
-    let base_weight = 1.0 - max_component(f_schlick(interface_f0_f90.rgb, interface_f0_f90.a, sqrt(0.5 + 0.5 * n_dot_v)));
+    // What the interface lets through to the matte part, for light along the normal: v.h stays far from grazing for most light even
+    // where n.v does not.
+    let base_weight = reflectance_matte_weight(surface.lobe, surface.interface_tint, sqrt(0.5 + 0.5 * n_dot_v));
     let n_environment = environment_direction(surface.n);
     let ambient_diffuse = max(sh_irradiance(view.residual_sh, n_environment), vec3f(0.0));
     let environment_diffuse = composite(
@@ -50,17 +48,17 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
     );
     let diffuse = base_weight * (environment_diffuse + sums.diffuse_near);
     var result = surface.emission + surface.diffuse_color / PI * diffuse;
-    if surface.f90 > 0.0 {
-        let dfg = lobe_albedo(surface.model, n_dot_v, environment_brdf(n_dot_v, surface.roughness));
-        let specular_albedo = surface.f0 * dfg.x + surface.f90 * dfg.y;
+    if has_lobe(surface.lobe) {
+        let roughness = reflectance_equivalent_roughness(surface.lobe);
+        let specular_albedo = reflectance_albedo(surface.lobe, n_dot_v, environment_brdf(n_dot_v, roughness));
         let reflected = reflect(-surface.wo, surface.n);
         let reflected_environment = environment_direction(reflected);
-        let level = prefiltered_level(surface.alpha, f32(textureNumLevels(prefiltered_full) - 1u));
+        let level = prefiltered_level(alpha_from_roughness(roughness), f32(textureNumLevels(prefiltered_full) - 1u));
         let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
         var full_specular: vec3f;
-        let layer = cached_lobe(surface.model, surface.parameter);
+        let layer = cached_layer(surface.lobe);
         if layer >= 0 {
-            full_specular = cached_radiance(layer, reflected, n_dot_v, surface.f0, surface.f90);
+            full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
         } else {
             full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
         }

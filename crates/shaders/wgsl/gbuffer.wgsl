@@ -1,6 +1,6 @@
 #import sample_places
 #import math
-#import brdf_reflectance
+#import brdf_models
 
 // What is seen through every sample of the picture: normals, reflectance, emission. No light here.
 

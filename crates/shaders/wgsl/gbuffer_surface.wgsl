@@ -1,5 +1,5 @@
 #import sample_places
-#import brdf_reflectance
+#import brdf_models
 
 // What is seen through the samples of the picture.
 
@@ -15,19 +15,14 @@ struct Surface {
     n: vec3f,
     geometric_normal: vec3f,
     wo: vec3f,
+    // Tangent frame about n.
+    frame: Frame,
     // Albedo of the matte part.
     diffuse_color: vec3f,
-    // Reflectance of the glossy part along the normal and at grazing incidence; it is absent where the latter is 0.
-    f0: vec3f,
-    f90: f32,
-    // Which model of `brdf_reflectance.wgsl`, and its roughness, shininess or slope.
-    model: u32,
-    parameter: f32,
-    // Of GGX; of other models that of a lobe as wide.
-    roughness: f32,
-    alpha: f32,
-    // Reflectance along the normal and at grazing incidence of the interface above a matte base; 0 where the two are just added.
-    interface_f0_f90: vec4f,
+    // Tint of the interface above the matte part, for models that have one.
+    interface_tint: vec4f,
+    // The glossy part.
+    lobe: Lobe,
     emission: vec3f,
 }
 
@@ -73,13 +68,10 @@ fn surface_at(sample: vec2u, depth: f32) -> Surface {
     surface.geometric_normal = octahedral_decode(normals.zw);
     surface.wo = normalize(view.eye_world.xyz - surface.position_world * view.eye_world.w);
     surface.diffuse_color = base_color_metallic.rgb * (1.0 - metallic);
-    surface.f0 = mix(f0_f90.rgb, base_color_metallic.rgb, metallic);
-    surface.f90 = mix(f0_f90.a, 1.0, metallic);
-    surface.model = model_from_code(code);
-    surface.parameter = emissive_roughness.a;
-    surface.roughness = equivalent_roughness(surface.model, surface.parameter);
-    surface.alpha = alpha_from_roughness(surface.roughness);
-    surface.interface_f0_f90 = select(vec4f(0.0), f0_f90, surface.model == MODEL_METALLIC_ROUGHNESS);
+    surface.frame = frame_from_normal(surface.n);
+    surface.interface_tint = f0_f90;
+    let tint = mix(f0_f90, vec4f(base_color_metallic.rgb, 1.0), metallic);
+    surface.lobe = Lobe(model_from_code(code), emissive_roughness.a, tint);
     surface.emission = emissive_roughness.rgb;
     return surface;
 }

@@ -40,7 +40,7 @@ fn light(
         }
         let diffuse = lights[light].radiance * form_factor;
         var specular = vec3f(0.0);
-        if surface.f90 > 0.0 {
+        if has_lobe(surface.lobe) {
             specular = light_specular(light, surface) * lights[light].radiance;
         }
         if lights[light].kind == KIND_DISTANT {

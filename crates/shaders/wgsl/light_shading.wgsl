@@ -1,6 +1,5 @@
 #import frame
 #import gbuffer_surface
-#import brdf_area
 #import form_factor
 
 // Unshadowed light of one area light on a surface.
@@ -50,38 +49,58 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
     );
 }
 
-fn ggx_lobe(surface: Surface, wi: vec3f, alpha: f32) -> vec3f {
-    let h = normalize(wi + surface.wo);
-    let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
-    let n_dot_l = max(dot(surface.n, wi), 0.0);
-    return f_schlick(surface.f0, surface.f90, max(dot(surface.wo, h), 0.0))
-        * (d_ggx(saturate(dot(surface.n, h)), alpha) * v_smith_ggx_correlated(n_dot_v, n_dot_l, surface.alpha) * n_dot_l);
+// Direction to the point of a light in the scene that is nearest to the mirrored view ray (Karis 2013, area lights).
+fn nearest_to_mirrored(light: u32, to_light: vec3f, reflected: vec3f) -> vec3f {
+    let half_extent = lights[light].half_extent;
+    if lights[light].kind == KIND_SPHERE {
+        let aside = dot(to_light, reflected) * reflected - to_light;
+        return normalize(to_light + aside * saturate(half_extent.x / max(length(aside), 1e-20)));
+    }
+    let slant = dot(reflected, lights[light].direction);
+    let distance = dot(to_light, lights[light].direction) / max(slant, 1e-3);
+    let aside = reflected * distance - to_light;
+    var place = vec2f(dot(aside, lights[light].tangent), dot(aside, lights[light].bitangent));
+    if lights[light].shape == SHAPE_DISK {
+        place *= saturate(half_extent.x / max(length(place), 1e-20));
+    } else {
+        place = clamp(place, -half_extent, half_extent);
+    }
+    return normalize(to_light + place.x * lights[light].tangent + place.y * lights[light].bitangent);
 }
 
-// A light as a point of the scene sees it; its sides keep the solid angle.
-fn light_patch(light: u32, position_world: vec3f) -> LightPatch {
+// A light as a surface sees it; its sides keep the solid angle.
+fn light_patch(light: u32, surface: Surface) -> LightPatch {
     var seen: LightPatch;
     seen.is_disk = lights[light].shape == SHAPE_DISK;
-    if lights[light].kind == KIND_DISTANT {
-        seen.direction = lights[light].direction;
+    let tangent = local_from_world(surface.frame, lights[light].tangent);
+    let bitangent = local_from_world(surface.frame, lights[light].bitangent);
+    seen.is_distant = lights[light].kind == KIND_DISTANT;
+    if seen.is_distant {
+        seen.direction = local_from_world(surface.frame, lights[light].direction);
+        seen.nearest = seen.direction;
+        seen.solid_angle = lights[light].solid_angle;
         let half_extent = lights[light].half_extent;
         let flat_area = select(4.0, PI, seen.is_disk) * half_extent.x * half_extent.y;
-        let scale = sqrt(lights[light].solid_angle / max(flat_area, 1e-20));
-        seen.half_width = lights[light].tangent * (scale * half_extent.x);
-        seen.half_height = lights[light].bitangent * (scale * half_extent.y);
+        let scale = sqrt(seen.solid_angle / max(flat_area, 1e-20));
+        seen.half_width = tangent * (scale * half_extent.x);
+        seen.half_height = bitangent * (scale * half_extent.y);
         return seen;
     }
-    let to_light = lights[light].position - position_world;
+    let to_light = lights[light].position - surface.position_world;
     let distance = max(length(to_light), 1e-20);
-    seen.direction = to_light / distance;
+    seen.direction = local_from_world(surface.frame, to_light / distance);
+    let reflected = reflect(-surface.wo, surface.n);
+    seen.nearest = local_from_world(surface.frame, nearest_to_mirrored(light, to_light, reflected));
     let half_extent = min(lights[light].half_extent / distance, vec2f(1.0));
     if lights[light].kind == KIND_SPHERE {
-        seen.half_width = world_from_local(seen.direction, vec3f(half_extent.x, 0.0, 0.0));
-        seen.half_height = world_from_local(seen.direction, vec3f(0.0, half_extent.x, 0.0));
+        let about = frame_from_normal(seen.direction);
+        seen.half_width = half_extent.x * about.t;
+        seen.half_height = half_extent.x * about.b;
+        seen.solid_angle = min(lights[light].solid_angle / (distance * distance), TAU);
         return seen;
     }
-    let tangent = lights[light].tangent;
-    let bitangent = lights[light].bitangent;
+    let slant = max(dot(to_light, lights[light].direction), 0.0) / distance;
+    seen.solid_angle = min(lights[light].solid_angle * slant / (distance * distance), TAU);
     seen.half_width = half_extent.x * (tangent - seen.direction * dot(seen.direction, tangent));
     seen.half_height = half_extent.y * (bitangent - seen.direction * dot(seen.direction, bitangent));
     return seen;
@@ -89,43 +108,6 @@ fn light_patch(light: u32, position_world: vec3f) -> LightPatch {
 
 // Radiance reflected by the surface's glossy part per unit of the light's radiance.
 fn light_specular(light: u32, surface: Surface) -> vec3f {
-    if surface.model != MODEL_METALLIC_ROUGHNESS {
-        let seen = light_patch(light, surface.position_world);
-        let lobe = light_lobe(surface.model, surface.parameter, surface.n, surface.wo, seen);
-        return lobe.x * surface.f0 + lobe.y * surface.f90;
-    }
-    if lights[light].kind == KIND_DISTANT {
-        // The light's extent widens the lobe (Karis 2013, area lights): alpha' = alpha + half the light's radius.
-        let solid_angle = lights[light].solid_angle;
-        let wide = saturate(surface.alpha + 0.5 * sqrt(solid_angle / PI));
-        return ggx_lobe(surface, lights[light].direction, wide) * solid_angle;
-    }
-    let to_light = lights[light].position - surface.position_world;
-    let distance2 = dot(to_light, to_light);
-    let reflected = reflect(-surface.wo, surface.n);
-    let radius = lights[light].half_extent.x;
-    var seen_area = lights[light].solid_angle;
-    // The point of the light that lies nearest to the mirrored view ray stands for all of it (Karis 2013).
-    var nearest = to_light;
-    if lights[light].kind == KIND_SPHERE {
-        let aside = dot(to_light, reflected) * reflected - to_light;
-        nearest += aside * saturate(radius / max(length(aside), 1e-20));
-    } else {
-        seen_area *= max(dot(to_light, lights[light].direction), 0.0) * inverseSqrt(distance2);
-        let slant = dot(reflected, lights[light].direction);
-        let distance = dot(to_light, lights[light].direction) / max(slant, 1e-3);
-        let aside = reflected * distance - to_light;
-        var place = vec2f(dot(aside, lights[light].tangent), dot(aside, lights[light].bitangent));
-        if lights[light].shape == SHAPE_DISK {
-            place *= saturate(radius / max(length(place), 1e-20));
-        } else {
-            place = clamp(place, -lights[light].half_extent, lights[light].half_extent);
-        }
-        nearest += place.x * lights[light].tangent + place.y * lights[light].bitangent;
-    }
-    // Its lobe keeps the energy of one widened by the light's extent.
-    let solid_angle = min(seen_area / distance2, TAU);
-    let wide = saturate(surface.alpha + 0.5 * sqrt(solid_angle / PI));
-    let narrowing = surface.alpha / wide;
-    return ggx_lobe(surface, normalize(nearest), surface.alpha) * (narrowing * narrowing * solid_angle);
+    let wo = local_from_world(surface.frame, surface.wo);
+    return reflectance_light_lobe(surface.lobe, wo, light_patch(light, surface));
 }

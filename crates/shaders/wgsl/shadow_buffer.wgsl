@@ -5,10 +5,10 @@
 fn normal_power_at(sample: vec2u) -> f32 {
     let texel = gbuffer_texel(sample);
     let metallic = textureLoad(gbuffer_base_color_metallic, texel, 0).a;
-    let f90 = textureLoad(gbuffer_f0_f90, texel, 0).a;
-    let model = model_from_code(metallic);
-    let roughness = equivalent_roughness(model, textureLoad(gbuffer_emissive_roughness, texel, 0).a);
-    return resample_normal_power(select(1.0, alpha_from_roughness(roughness), max(metallic, f90) > 0.0));
+    let tint = vec4f(max(metallic, textureLoad(gbuffer_f0_f90, texel, 0).a));
+    let lobe = Lobe(model_from_code(metallic), textureLoad(gbuffer_emissive_roughness, texel, 0).a, tint);
+    let roughness = reflectance_equivalent_roughness(lobe);
+    return resample_normal_power(select(1.0, alpha_from_roughness(roughness), has_lobe(lobe)));
 }
 
 // Weight of a shading point for a sample of the picture.

@@ -36,10 +36,10 @@ pub struct Look {
     pub animation: AnimationLook,
     /// What lies under the models: under their lowest point, over the whole of the clip that plays.
     pub ground: Ground,
-    /// Reflectance of every material but the ground's, as `MODEL:KEY=VALUE,...` (see [`gnomon_scene::ReflectanceSettings`]).
-    pub reflectance: Option<String>,
+    /// Reflectance of every material but the ground's.
+    pub reflectance: Option<ReflectanceSettings>,
     /// Reflectance of single materials, by their number in the scene with its ground; goes before `reflectance`.
-    pub surfaces: BTreeMap<usize, String>,
+    pub surfaces: BTreeMap<usize, ReflectanceSettings>,
 }
 
 /// How lights are fitted to the environment.
@@ -317,7 +317,7 @@ impl Look {
     /// # Errors
     /// [`StudioError::Scene`] for a parameter out of its range.
     pub fn set_surface(&mut self, material: usize, surface: &Surface) -> Result<(), StudioError> {
-        self.surfaces.insert(material, ReflectanceSettings::of(surface)?.to_string());
+        self.surfaces.insert(material, ReflectanceSettings::of(surface)?);
         Ok(())
     }
 

@@ -65,20 +65,7 @@ struct Sections {
 #[serde(deny_unknown_fields)]
 struct SurfaceEntry {
     material: Option<usize>,
-    reflectance: ReflectanceText,
-}
-
-/// Reflectance that has been parsed once, so that a mistake is told with its line.
-#[derive(Deserialize)]
-#[serde(try_from = "String")]
-struct ReflectanceText(String);
-
-impl TryFrom<String> for ReflectanceText {
-    type Error = gnomon_scene::SceneError;
-
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse::<ReflectanceSettings>().map(|_| Self(text))
-    }
+    reflectance: ReflectanceSettings,
 }
 
 impl Project {
@@ -118,10 +105,10 @@ impl Project {
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
         look.surfaces = BTreeMap::new();
-        for SurfaceEntry { material, reflectance: ReflectanceText(text) } in surface {
+        for SurfaceEntry { material, reflectance } in surface {
             match material {
-                Some(material) => drop(look.surfaces.insert(material, text)),
-                None => look.reflectance = Some(text),
+                Some(material) => drop(look.surfaces.insert(material, reflectance)),
+                None => look.reflectance = Some(reflectance),
             }
         }
         let LoadedScene { scene, environment, ground } = match &source {

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use gnomon_picture::atomic;
-use gnomon_scene::{Camera, Ground};
+use gnomon_scene::{Camera, Ground, ReflectanceSettings};
 use gnomon_scene_files::EnvironmentSource;
 use serde::Serialize;
 use toml::{Table, Value};
@@ -44,7 +44,7 @@ struct EnvironmentTable {
 struct SurfaceTable<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     material: Option<usize>,
-    reflectance: &'a str,
+    reflectance: &'a ReflectanceSettings,
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
@@ -81,11 +81,11 @@ impl Stage {
                 return Err(StudioError::Request("an environment without a file cannot be saved".to_owned()));
             }
         };
-        let all = look.reflectance.as_deref().map(|reflectance| SurfaceTable { material: None, reflectance });
-        let single = look.surfaces.iter().map(|(&material, reflectance)| SurfaceTable {
-            material: Some(material),
-            reflectance: reflectance.as_str(),
-        });
+        let all = look.reflectance.as_ref().map(|reflectance| SurfaceTable { material: None, reflectance });
+        let single = look
+            .surfaces
+            .iter()
+            .map(|(&material, reflectance)| SurfaceTable { material: Some(material), reflectance });
         let tables = LookTables {
             ground: look.ground,
             camera: if is_own { None } else { Some(self.camera()?) },

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::FitOptions;
-use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, ReflectanceSettings, Scene, camera_around};
+use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, Scene, camera_around};
 
 use crate::environment::load_environment;
 use crate::look::CameraLook;
@@ -101,13 +101,12 @@ impl Bare {
 fn dress(scene: &mut Scene, look: &Look, reach: Option<Bounds>) -> Result<(), StudioError> {
     // The ground's mesh is that of the file's pose in every clip: only its node moves.
     scene.rest();
-    if let Some(text) = &look.reflectance {
-        scene.set_reflectance(&text.parse()?);
+    if let Some(reflectance) = &look.reflectance {
+        scene.set_reflectance(reflectance);
     }
     scene.add_ground_under(look.ground, reach);
     let count = scene.materials.len();
-    for (&index, text) in &look.surfaces {
-        let settings: ReflectanceSettings = text.parse()?;
+    for (&index, settings) in &look.surfaces {
         let material = scene.materials.get_mut(index).ok_or_else(|| {
             StudioError::Request(format!("there is no material {index}: the scene has {count}, from 0"))
         })?;

@@ -54,7 +54,7 @@ fn changed(look: &Look) -> Look {
     look.display.background = false;
     look.environment.rotation = 33.3;
     look.ground = Ground::Plane;
-    look.reflectance = Some("torrance-sparrow-beckmann:slope=0.31,specular=0.123".to_owned());
+    look.reflectance = Some("torrance-sparrow-beckmann:slope=0.31,specular=0.123".parse().unwrap());
     let surface = Surface {
         model: Model::Phong,
         shininess: 7.7,

@@ -3,7 +3,10 @@
 #![allow(clippy::panic, reason = "helpers of tests fail the test")]
 
 pub mod command;
+mod surfaces;
 pub mod tolerances;
+
+pub use surfaces::{glossy_models, glossy_surface};
 
 use std::path::PathBuf;
 

@@ -6,7 +6,6 @@ mod app;
 mod error;
 mod files;
 mod keys;
-mod material;
 mod notices;
 mod orbit;
 mod overlay;

@@ -110,7 +110,7 @@ impl InputArgs {
             look.display.tone_mapping.clone_from(tone_mapping);
         }
         if let Some(reflectance) = &self.reflectance {
-            look.reflectance = Some(reflectance.to_string());
+            look.reflectance = Some(reflectance.clone());
             look.surfaces.clear();
         }
         look.ground = self.ground.map_or(look.ground, Ground::from);

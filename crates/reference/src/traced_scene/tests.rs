@@ -131,7 +131,7 @@ fn deformed_meshes_are_hit_where_they_are_bent_to() {
         let ray = Ray { origin: 1.5 * random(5000 + index), direction };
         let point = |traced: &TracedScene| {
             let point = traced.hit_point(&traced.closest_hit(&ray)?, -direction);
-            Some((point.position, point.geometric_normal, point.shading_normal))
+            Some((point.position, point.geometric_normal, point.frame.n))
         };
         let (found, expected) = (point(&bent), point(&baked));
         assert_eq!(found.is_some(), expected.is_some());

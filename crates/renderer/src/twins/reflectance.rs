@@ -1,29 +1,23 @@
-//! The reflectance models.
+//! The reflectance models, every one of the list.
 
 use glam::{Vec2, Vec3, Vec4};
-use gnomon_brdf::{Model, world_from_local};
+use gnomon_brdf::{Frame, LightPatch, Lobe, Model};
+use gnomon_testing::glossy_surface;
 
 use super::{compare, scalar, unit_vector};
 
-/// The normal of all inputs, and the same in WGSL.
-const N: Vec3 = Vec3::new(0.36, -0.48, 0.8);
-const N_WGSL: &str = "vec3f(0.36, -0.48, 0.8)";
+/// Every model with lobes from narrow to wide, and two different tints.
+fn lobes() -> impl Iterator<Item = Lobe> {
+    let tint = Vec4::new(0.8, 0.5, 0.1, 0.9);
+    Model::ALL.iter().flat_map(move |&model| {
+        [0.25, 0.5, 0.95].map(|roughness| Lobe { tint, ..glossy_surface(model, roughness).layers().lobe })
+    })
+}
 
-/// Every model with two of its parameters.
-const CASES: [(Model, f32); 12] = [
-    (Model::MetallicRoughness, 0.3),
-    (Model::MetallicRoughness, 0.9),
-    (Model::Lambert, 0.5),
-    (Model::Phong, 0.0),
-    (Model::Phong, 40.0),
-    (Model::Phong, 500.0),
-    (Model::BlinnPhong, 7.5),
-    (Model::BlinnPhong, 300.0),
-    (Model::TorranceSparrowBeckmann, 0.08),
-    (Model::TorranceSparrowBeckmann, 0.6),
-    (Model::TorranceSparrowGaussian, 0.08),
-    (Model::TorranceSparrowGaussian, 1.0),
-];
+fn wgsl(lobe: &Lobe) -> String {
+    let [x, y, z, w] = lobe.tint.to_array();
+    format!("Lobe({}u, {:?}, vec4f({x:?}, {y:?}, {z:?}, {w:?}))", lobe.model as u32, lobe.shape)
+}
 
 // Densities of half vectors are compared times |wo + wi|, of sampled ones times its square: they have a pole where that is 0, and
 // the half vector loses its digits.
@@ -31,41 +25,104 @@ const CASES: [(Model, f32); 12] = [
 /// A view on either side of the surface, and a direction that is often near the mirrored one.
 fn directions(u: Vec4, v: Vec4) -> [Vec4; 2] {
     let wo = unit_vector(u);
-    let wi = 2.0 * N.dot(wo) * N - wo + u.w * 2.0 * v.w * (unit_vector(v) - 0.5 * N);
+    let wi = Vec3::new(-wo.x, -wo.y, wo.z) + u.w * 2.0 * v.w * (unit_vector(v) - 0.5 * Vec3::Z);
     [wo.extend(u.z), wi.normalize().extend(v.z)]
 }
 
-/// Values up to some hundred hang on cosines rounded to 1e-7, times exponents up to 500 or over squared slopes of 0.006; a power of a
+/// Values up to some hundred hang on cosines rounded to 1e-7, times exponents up to 500 or over squared slopes of 0.004; a power of a
 /// sampled number is wrong by as much again.
 const TOLERANCE: f32 = 2e-3;
 
 #[test]
-fn lobes() {
-    for (model, parameter) in CASES {
-        let call = |name| format!("{name}({}u, {parameter:?}, {N_WGSL}, a.xyz, b.xyz)", model as u32);
-        let pdf = call("reflectance_pdf");
-        let body = format!("vec4f({}, {pdf} * length(a.xyz + b.xyz), 0.0)", call("reflectance_lobe"));
-        compare("brdf_reflectance", &body, TOLERANCE, directions, |[a, b]| {
+fn values_and_densities() {
+    for lobe in lobes() {
+        let call = |name| format!("reflectance_{name}({}, a.xyz, b.xyz)", wgsl(&lobe));
+        let body = format!("vec4f({}, {} * length(a.xyz + b.xyz))", call("lobe"), call("pdf"));
+        compare("brdf_models", &body, TOLERANCE, directions, |[a, b]| {
             let (wo, wi) = (a.truncate(), b.truncate());
-            let lobe = gnomon_brdf::reflectance_lobe(model, parameter, N, wo, wi);
-            let pdf = gnomon_brdf::reflectance_pdf(model, parameter, N, wo, wi);
-            lobe.extend(pdf * (wo + wi).length()).extend(0.0)
+            lobe.value(wo, wi).extend(lobe.pdf(wo, wi) * (wo + wi).length())
         });
     }
 }
 
 #[test]
 fn samples() {
-    for (model, parameter) in CASES {
-        let call =
-            format!("reflectance_sample({}u, {parameter:?}, {N_WGSL}, a.xyz, vec2f(a.w, b.w))", model as u32);
-        let body = format!("vec4f({call}.wi, {call}.pdf * dot(a.xyz + {call}.wi, a.xyz + {call}.wi))");
-        compare("brdf_reflectance", &body, TOLERANCE, directions, |[a, b]| {
+    for lobe in lobes() {
+        let sample = format!("reflectance_sample({}, a.xyz, vec2f(a.w, b.w))", wgsl(&lobe));
+        let pdf = format!("reflectance_pdf({}, a.xyz, {sample})", wgsl(&lobe));
+        let body = format!("vec4f({sample}, {pdf} * dot(a.xyz + {sample}, a.xyz + {sample}))");
+        compare("brdf_models", &body, TOLERANCE, directions, |[a, b]| {
             let wo = a.truncate();
-            let (wi, pdf) = gnomon_brdf::reflectance_sample(model, parameter, N, wo, Vec2::new(a.w, b.w));
-            wi.extend(pdf * (wo + wi).length_squared())
+            let wi = lobe.sample(wo, Vec2::new(a.w, b.w));
+            wi.extend(lobe.pdf(wo, wi) * (wo + wi).length_squared())
         });
     }
+}
+
+#[test]
+fn lobes_over_area_lights() {
+    for lobe in lobes() {
+        for (is_disk, is_distant) in [(false, true), (true, true), (true, false)] {
+            // Half sides of 1 mrad to 0.3 rad, one of them slanted.
+            let body = format!(
+                "vec4f(reflectance_light_lobe({}, a.xyz, LightPatch(b.xyz, \
+                 world_from_local(frame_from_normal(b.xyz), vec3f(0.001 + 0.3 * a.w, 0.0, 0.0)), \
+                 world_from_local(frame_from_normal(b.xyz), vec3f(0.1 * a.w, 0.001 + 0.3 * b.w, 0.0)), \
+                 {is_disk}, 0.1 * b.w, normalize(b.xyz + 0.1 * a.xyz), {is_distant})), 0.0)",
+                wgsl(&lobe)
+            );
+            compare("brdf_models", &body, TOLERANCE, directions, |[a, b]| {
+                let (wo, direction) = (a.truncate(), b.truncate());
+                let frame = Frame::from_normal(direction);
+                let light = LightPatch {
+                    direction,
+                    half_width: frame.world_from_local(Vec3::new(0.001 + 0.3 * a.w, 0.0, 0.0)),
+                    half_height: frame.world_from_local(Vec3::new(0.1 * a.w, 0.001 + 0.3 * b.w, 0.0)),
+                    is_disk,
+                    solid_angle: 0.1 * b.w,
+                    nearest: (direction + 0.1 * wo).normalize(),
+                    is_distant,
+                };
+                lobe.over_light(wo, &light).extend(0.0)
+            });
+        }
+    }
+}
+
+#[test]
+fn what_maps_are_looked_up_with() {
+    for lobe in lobes() {
+        let (model, text) = (lobe.model, wgsl(&lobe));
+        let body = format!(
+            "vec4f(reflectance_albedo({text}, a.x, a.yz), reflectance_matte_weight({text}, b, a.w))\
+             + vec4f(reflectance_cached({text}, b.xyz, a.yzw, a.x), reflectance_equivalent_roughness({text}))"
+        );
+        compare(
+            "brdf_models",
+            &body,
+            1e-5,
+            |u, v| [u, v],
+            |[a, b]| {
+                let albedo = model.albedo(&lobe, a.x, Vec2::new(a.y, a.z));
+                let cached = model.cached(&lobe, [b.truncate(), Vec3::new(a.y, a.z, a.w)], a.x);
+                albedo.extend(model.matte_weight(b, a.w)) + cached.extend(model.equivalent_roughness(&lobe))
+            },
+        );
+    }
+}
+
+#[test]
+fn frames() {
+    let body =
+        "vec4f(local_from_world(frame_from_tangent(a.xyz, vec4f(b.xyz, a.w)), vec3f(0.3, -0.5, 0.8)), 0.0)";
+    let input = |u: Vec4, v: Vec4| {
+        let sign = if u.w < 0.5 { -1.0 } else { 1.0 };
+        [unit_vector(u).extend(sign), (if v.w < 0.1 { Vec3::ZERO } else { unit_vector(v) }).extend(0.0)]
+    };
+    compare("brdf_frame", body, 1e-4, input, |[a, b]| {
+        let frame = Frame::from_tangent(a.truncate(), b.truncate().extend(a.w));
+        frame.local_from_world(Vec3::new(0.3, -0.5, 0.8)).extend(0.0)
+    });
 }
 
 #[test]
@@ -73,7 +130,7 @@ fn normalisations() {
     let body =
         "vec4f(gaussian_norm(a.x), blinn_phong_norm(500.0 * a.y), g1_smith_beckmann(a.z, a.w + 0.01), 0.0)";
     compare(
-        "brdf_reflectance",
+        "brdf_models",
         body,
         1e-4,
         |u, _| [u, Vec4::ZERO],
@@ -87,36 +144,10 @@ fn normalisations() {
         },
     );
     compare(
-        "brdf_reflectance",
+        "brdf_models",
         "vec4f(g1_smith_ggx(a.x + 0.01, a.y), 0.0, 0.0, 0.0)",
         1e-5,
         |u, _| [u, Vec4::ZERO],
         |[a, _]| scalar(gnomon_brdf::g1_smith_ggx(a.x + 0.01, a.y)),
     );
-}
-
-#[test]
-fn lobes_over_area_lights() {
-    for (model, parameter) in CASES {
-        for is_disk in [false, true] {
-            // Half sides of 1 mrad to 0.3 rad, one of them slanted.
-            let body = format!(
-                "vec4f(light_lobe({}u, {parameter:?}, {N_WGSL}, a.xyz, LightPatch(b.xyz, \
-                 world_from_local(b.xyz, vec3f(0.001 + 0.3 * a.w, 0.0, 0.0)), \
-                 world_from_local(b.xyz, vec3f(0.1 * a.w, 0.001 + 0.3 * b.w, 0.0)), {is_disk})), 0.0, 0.0)",
-                model as u32
-            );
-            compare("brdf_area", &body, TOLERANCE, directions, |[a, b]| {
-                let direction = b.truncate();
-                let light = gnomon_brdf::LightPatch {
-                    direction,
-                    half_width: world_from_local(direction, Vec3::new(0.001 + 0.3 * a.w, 0.0, 0.0)),
-                    half_height: world_from_local(direction, Vec3::new(0.1 * a.w, 0.001 + 0.3 * b.w, 0.0)),
-                    is_disk,
-                };
-                let lobe = gnomon_brdf::light_lobe(model, parameter, N, a.truncate(), &light);
-                lobe.extend(0.0).extend(0.0)
-            });
-        }
-    }
 }

@@ -81,7 +81,7 @@ impl<'a> Meshes<'a> {
                 }),
             };
             raw.material = Some(material);
-            let tangent_set = scene.materials[material.0].normal_texture.map(|texture| texture.set);
+            let tangent_set = scene.materials[material.0].tangent_set();
             let finished = geometry::finish(raw, tangent_set, &name, budget, &mut scene.warnings)?;
             known.ids.push(MeshId(scene.meshes.len()));
             scene.meshes.push(finished);

@@ -165,9 +165,9 @@ super::structs! {
     pub struct CachedLobe {
         /// Reflectance model.
         pub model: u32,
-        /// Roughness, shininess or slope. Uniform arrays take steps of 16 bytes.
+        /// `Lobe::shape`. Uniform arrays take steps of 16 bytes.
         #[size(12)]
-        pub parameter: f32,
+        pub shape: f32,
     }
 
     /// The radiance cache's frame, whose z axis points to the viewer, and its lobes.

@@ -58,7 +58,7 @@ super::structs! {
         pub normal_scale: f32,
         /// Alpha below this is a hole; 0 for opaque materials.
         pub alpha_cutoff: f32,
-        /// Reflectance model, a number of `brdf_reflectance.wgsl`.
+        /// Reflectance model, a number of `gnomon_brdf::Model`.
         pub model: u32,
         /// Of all models but metallic-roughness what shapes its lobe.
         pub lobe_parameter: f32,

@@ -183,8 +183,8 @@ fn drawing_the_panel_changes_nothing() {
         look.display.exposure = Some(25.123_456);
         look.render.order = 3;
         look.render.supersample = 6;
-        look.reflectance =
-            Some("phong: diffuse=0.123456/0.3/0.7 ,shininess=812.345678,specular=0.12345".into());
+        let reflectance = "phong: diffuse=0.123456/0.3/0.7 ,shininess=812.345678,specular=0.12345";
+        look.reflectance = Some(reflectance.parse().unwrap());
     });
     assert_no_notices(&viewer);
     let look = viewer.studio().unwrap().look().clone();
@@ -214,9 +214,16 @@ fn drawing_the_panel_changes_nothing() {
             panel(&mut viewer, &mut targets, Vec::new());
         }
     }
-    for name in
-        ["shininess", "own color", "cells", "rotation", "exposure", "order", "contact samples", "supersample"]
-    {
+    for name in [
+        "shininess",
+        "own base_color",
+        "cells",
+        "rotation",
+        "exposure",
+        "order",
+        "contact samples",
+        "supersample",
+    ] {
         assert!(targets.place(name).is_some(), "'{name}' is not on display");
     }
     assert_eq!(*viewer.studio().unwrap().look(), look);

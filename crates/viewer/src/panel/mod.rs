@@ -3,6 +3,7 @@
 mod draw;
 mod fields;
 mod light;
+mod material;
 mod scene;
 mod times;
 
@@ -32,7 +33,7 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, targets: &mut Targets) {
     fields.section("Lights", true, |fields| light::lights(fields, viewer, &mut wanted));
     fields.section("Shadows", true, |fields| draw::shadows(fields, &mut wanted));
     fields.section("Compositing", false, |fields| draw::compositing(fields, &mut wanted));
-    fields.section("Material", false, |fields| scene::material(fields, &mut wanted));
+    fields.section("Material", false, |fields| material::show(fields, &mut wanted.reflectance));
     let mut times = viewer.times;
     fields.section("Time per pass", true, |fields| times::show(fields, viewer, &mut times));
     if times != viewer.times {

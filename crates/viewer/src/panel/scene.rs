@@ -7,7 +7,6 @@ use gnomon_scene::{Ground, builtin};
 use gnomon_studio::{AnimationLook, Look, SceneSource};
 
 use super::fields::Fields;
-use crate::material::{Material, parameters};
 use crate::viewer::Viewer;
 
 pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
@@ -87,38 +86,6 @@ fn has_own_name(names: &[&str], clip: usize) -> bool {
 fn clip_number(names: &[&str], clip: &str) -> Option<usize> {
     let by_number = || clip.parse().ok().filter(|&number: &usize| number < names.len());
     names.iter().position(|name| *name == clip).or_else(by_number)
-}
-
-pub fn material(fields: &mut Fields<'_>, wanted: &mut Look) {
-    const OWN: &str = "as in the scene";
-    let now = wanted.reflectance.as_deref().map(Material::parse);
-    let mut material = now.clone();
-    let chosen = material.as_ref().map_or(OWN, |material| material.model.as_str()).to_owned();
-    let models = gnomon_brdf::MODELS.iter().map(|model| (model.name, model.summary));
-    let entries = std::iter::once((OWN, "every material keeps its own")).chain(models);
-    if let Some(picked) = fields.choice("model", "model", &chosen, entries) {
-        material = (picked != OWN).then(|| Material::of_model(picked));
-    }
-    if let Some(material) = &mut material {
-        for (parameter, value) in parameters(&material.model).iter().zip(&mut material.values) {
-            fields.slider(parameter.name, parameter.name, value, parameter.range.clone(), "");
-        }
-        let mut own = material.color.is_none();
-        fields.check("color", "own color", &mut own, "the scene's");
-        match (own, &mut material.color) {
-            (true, color) => *color = None,
-            (false, Some(color)) => {
-                let mut shown = *color;
-                if fields.ui.color_edit_button_rgb(&mut shown).changed() {
-                    *color = shown;
-                }
-            }
-            (false, color) => *color = Some([0.5; 3]),
-        }
-    }
-    if material != now {
-        wanted.reflectance = material.map(|material| material.text());
-    }
 }
 
 pub fn save(fields: &mut Fields<'_>, viewer: &mut Viewer) {
