@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
-use gnomon_brdf::Model;
+use gnomon_brdf::{Model, Parameter};
 use gnomon_scene::{AreaLightShape, Camera, Ground};
 use gnomon_scene_files::{
     EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, SceneFileError, load, read_sections,
@@ -111,6 +111,29 @@ fn materials_name_their_reflectance() {
     let warnings = &loaded.scene.warnings;
     assert_eq!(warnings.len(), 1, "0.5 + 0.9 of light is more than there is: {warnings:?}");
     assert!(warnings[0].contains("material 'gloss': torrance-sparrow-gaussian"), "{warnings:?}");
+}
+
+#[test]
+fn the_format_lists_what_models_declare() {
+    let format = include_str!("../SCENE_FORMAT.md");
+    let cell = |of: &[&Parameter]| {
+        of.iter().map(|parameter| format!("`{}`", parameter.name)).collect::<Vec<_>>().join(", ")
+    };
+    for model in Model::ALL {
+        let name = format!("| `\"{}\"`", model.name());
+        let line = format.lines().find(|line| line.starts_with(&name)).unwrap_or_else(|| panic!("{name}"));
+        let columns: Vec<_> = line.split('|').map(str::trim).collect();
+        assert_eq!((columns[3], columns[4]), (&*cell(model.required()), &*cell(model.optional())), "{name}");
+        for parameter in model.parameters() {
+            let name = format!("| `{}` |", parameter.name);
+            let line =
+                format.lines().find(|line| line.starts_with(&name)).unwrap_or_else(|| panic!("{name}"));
+            let [least, most] = parameter.range;
+            let range =
+                if most == f32::MAX { format!("at least {least}") } else { format!("{least} to {most}") };
+            assert!(line.contains(&range), "{line} does not say {range}");
+        }
+    }
 }
 
 #[test]

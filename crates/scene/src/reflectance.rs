@@ -218,6 +218,8 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
+    use gnomon_brdf::{BASE_COLOR, ROUGHNESS, SHININESS};
+
     use super::*;
     use crate::builtin;
 
@@ -260,6 +262,23 @@ mod tests {
             assert_eq!(ReflectanceSettings::of(&other).unwrap(), settings, "{text}");
         }
         assert!(ReflectanceSettings::of(&Surface { roughness: f32::NAN, ..Surface::default() }).is_err());
+    }
+
+    #[test]
+    fn values_are_typed_set_and_kept_in_range() {
+        let mut settings = ReflectanceSettings::new(Model::Phong);
+        assert_eq!(settings.to_string(), "phong:shininess=40,specular=0.3");
+        settings.set(&SHININESS, Some(Vec3::splat(1e9)));
+        settings.set(&BASE_COLOR, Some(Vec3::new(0.1, 0.2, 2.0)));
+        settings.set(&ROUGHNESS, Some(Vec3::ONE));
+        settings.set(&SHININESS, None);
+        assert_eq!(settings.to_string(), "phong:shininess=10000,specular=0.3,base_color=0.1/0.2/1");
+        settings.set(&BASE_COLOR, None);
+        assert_eq!((settings.get(&BASE_COLOR), settings.get(&SHININESS)), (None, Some(Vec3::splat(1e4))));
+        for &model in Model::ALL {
+            let settings = ReflectanceSettings::new(model);
+            assert_eq!(settings.to_string().parse::<ReflectanceSettings>().unwrap(), settings);
+        }
     }
 
     #[test]
