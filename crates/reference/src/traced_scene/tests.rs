@@ -1,3 +1,4 @@
+use glam::{Affine3A, Vec4};
 use gnomon_scene::{Mesh, Node};
 
 use super::*;
@@ -142,6 +143,35 @@ fn deformed_meshes_are_hit_where_they_are_bent_to() {
         }
     }
     assert!(hits > 300, "{hits} hits");
+}
+
+/// Tangent and bitangent lie on the surface as the mesh has them, however it is placed and from whichever side it is seen.
+#[test]
+fn hits_carry_the_tangent_frame_of_the_mesh() {
+    let turn = Affine3A::from_rotation_x(0.4) * Affine3A::from_rotation_z(0.7);
+    for placement in [Affine3A::IDENTITY, turn, turn * Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0))] {
+        for sign in [1.0, -1.0] {
+            let mut scene = scene(Mesh {
+                positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+                normals: vec![Vec3::Z; 3],
+                tangents: vec![Vec4::new(0.6, 0.8, 0.0, sign); 3],
+                triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
+            });
+            scene.nodes[0].parent_from_node = placement;
+            let traced = TracedScene::new(&scene).unwrap();
+            for side in [1.0, -1.0] {
+                let direction = placement.transform_vector3(Vec3::new(0.0, 0.0, -side));
+                let origin = placement.transform_point3(Vec3::new(0.2, 0.2, 0.0)) - direction;
+                let hit = traced.closest_hit(&Ray { origin, direction }).unwrap();
+                let frame = traced.hit_point(&hit, -direction).frame;
+                let world = |local: Vec3| placement.transform_vector3(local);
+                assert!(frame.n.distance(-direction) < 1e-5, "{frame:?}");
+                assert!(frame.t.distance(world(Vec3::new(0.6, 0.8, 0.0))) < 1e-5, "{frame:?}");
+                assert!(frame.b.distance(world(sign * Vec3::new(-0.8, 0.6, 0.0))) < 1e-5, "{frame:?}");
+            }
+        }
+    }
 }
 
 #[test]
