@@ -112,13 +112,13 @@ fn deformed_meshes_are_hit_where_they_are_bent_to() {
     let positions = (0..count).map(|i| 0.1 * random(7000 + i)).collect();
     mesh.targets.push(gnomon_scene::MorphTarget { positions, ..Default::default() });
     let joint =
-        |axis: Vec3| Node { parent_from_node: glam::Affine3A::from_axis_angle(axis, 0.8), ..Node::default() };
+        |axis: Vec3| Node { parent_from_node: Affine3A::from_axis_angle(axis, 0.8), ..Node::default() };
     bent.nodes[0].skin = Some(gnomon_scene::SkinId(0));
     bent.nodes[0].weights = vec![0.7];
     bent.nodes.extend([joint(Vec3::X), joint(Vec3::Y)]);
     bent.skins.push(gnomon_scene::Skin {
         joints: vec![gnomon_scene::NodeId(1), gnomon_scene::NodeId(2)],
-        joint_from_bind: vec![glam::Affine3A::IDENTITY; 2],
+        joint_from_bind: vec![Affine3A::IDENTITY; 2],
         ..Default::default()
     });
     let moved = bent.world_vertices(&bent.pose(), &bent.instances()[0]);
