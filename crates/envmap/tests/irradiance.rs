@@ -11,6 +11,7 @@ use gnomon_brdf::d_ggx;
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9, load};
 use gnomon_picture::RgbImage;
 use gnomon_testing::data_file;
+use gnomon_testing::tolerances::SH_L2;
 
 /// Relative L2 difference after the one scale that fits best.
 fn difference(ours: &[f64], theirs: &[f64]) -> f64 {
@@ -45,7 +46,7 @@ fn five_maps_have_their_published_coefficients() {
         }
         let off = difference(&ours, &theirs);
         println!("{name}: {:.2} %", 100.0 * off);
-        assert!(off < 0.01, "{name}: {off}");
+        assert!(off < SH_L2, "{name}: {off}");
         // Planted fault: the checker sees a mirrored map.
         assert!(difference(&mirrored, &theirs) > 0.02, "{name}");
     }

@@ -8,6 +8,7 @@ use gnomon_envmap::Equirect;
 use gnomon_lights::fit::{FitError, by_name, methods, sampler_by_name, samplers};
 use gnomon_lights::{DistantLight, FitOptions, LightFit, LightSet, LightShape};
 use gnomon_picture::RgbImage;
+use gnomon_testing::tolerances::{FIT_ROTATION, FLUX};
 use proptest::prelude::*;
 
 /// Every registered fit, once with its defaults and once with each of the other ways to stop.
@@ -58,7 +59,7 @@ proptest! {
         let map = spotted(width, height, &spots);
         for fit in all_fits() {
             let set = fit.fit(&map).unwrap();
-            prop_assert!(flux_error(&map, &set) < 1e-4, "{}: {}", fit.name(), flux_error(&map, &set));
+            prop_assert!(flux_error(&map, &set) < FLUX, "{}: {}", fit.name(), flux_error(&map, &set));
             prop_assert!(is_physical(&map, &set), "{}", fit.name());
         }
     }
@@ -69,7 +70,7 @@ proptest! {
         for fit in all_fits() {
             let (before, after) = (fit.fit(&map).unwrap(), fit.fit(&quarter_turn(&map)).unwrap());
             let error = turn_error(&before, &after);
-            prop_assert!(error < 2e-3, "{} {:?}: {error}", fit.name(), fit.parameters());
+            prop_assert!(error < FIT_ROTATION, "{} {:?}: {error}", fit.name(), fit.parameters());
         }
     }
 
@@ -100,14 +101,14 @@ fn disks_give_as_many_lights_as_asked_for() {
 fn the_flux_checker_notices_a_lost_light_and_a_dimmed_residual() {
     let map = spotted(64, 32, &[(0.3, 0.4, 0.05, 50.0)]);
     let set = by_name("disks", &FitOptions::default()).unwrap().fit(&map).unwrap();
-    assert!(!set.lights.is_empty() && flux_error(&map, &set) < 1e-4);
+    assert!(!set.lights.is_empty() && flux_error(&map, &set) < FLUX);
     let mut lost = set.clone();
     lost.lights.pop();
-    assert!(flux_error(&map, &lost) > 1e-4);
+    assert!(flux_error(&map, &lost) > FLUX);
     let texels =
         set.residual.radiance().texels().iter().map(|texel| *texel * Vec3::new(1.0, 0.999, 1.0)).collect();
     let dimmed = Equirect::new(RgbImage::from_texels(64, 32, texels).unwrap());
-    assert!(flux_error(&map, &LightSet { residual: dimmed, ..set }) > 1e-4);
+    assert!(flux_error(&map, &LightSet { residual: dimmed, ..set }) > FLUX);
 }
 
 #[test]
@@ -121,7 +122,7 @@ fn the_turn_checker_notices_a_turn_the_wrong_way_and_a_wrong_size() {
     }
     let light = |radius: f64| vec![DistantLight::disk(DVec3::Y, radius, DVec3::ONE)];
     let set = |radius: f64| LightSet::new("disks", light(radius), map.clone());
-    assert!(turn_error(&set(0.1), &set(0.1)) < 1e-6 && turn_error(&set(0.1), &set(0.11)) > 2e-3);
+    assert!(turn_error(&set(0.1), &set(0.1)) < 1e-6 && turn_error(&set(0.1), &set(0.11)) > FIT_ROTATION);
 }
 
 #[test]
@@ -146,7 +147,7 @@ fn tiny_constant_and_single_texel_maps_keep_their_flux() {
             for fit in all_fits() {
                 let set = fit.fit(&map).unwrap();
                 assert!(
-                    flux_error(&map, &set) < 1e-4,
+                    flux_error(&map, &set) < FLUX,
                     "{} {width}x{height}: {}",
                     fit.name(),
                     flux_error(&map, &set)

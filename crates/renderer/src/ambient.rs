@@ -69,7 +69,7 @@ impl Ambient {
         let mut lights = set.lights.clone();
         let mut probes = Vec::new();
         let mut residual = set.residual.clone();
-        let luminance = |flux: glam::DVec3| flux.dot(glam::DVec3::new(0.2126, 0.7152, 0.0722));
+        let luminance = |flux: glam::DVec3| flux.dot(gnomon_picture::LUMINANCE.as_dvec3());
         let rest = luminance(residual.flux());
         let negligible = rest <= NEGLIGIBLE * (rest + luminance(lights.iter().map(DistantLight::flux).sum()));
         let tiled = |map: &Equirect| {

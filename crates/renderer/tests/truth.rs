@@ -49,19 +49,24 @@ fn of_mitsuba(
     Some((gpu, scene, camera, map, gnomon_picture::read(&truth).unwrap().image))
 }
 
-/// Relative RMSE of every technique's picture against Mitsuba's.
+/// Relative RMSE of pictures against Mitsuba's: of the command's default, and of every soft technique with many lights of a simple fit.
 fn against_mitsuba(scene: &str, environment: &str, truth: &str) {
     let Some((gpu, scene, camera, map, truth)) = of_mitsuba(scene, environment, truth) else { return };
     let set = fit(&map);
     assert!(set.lights.len() <= tolerances::GPU_LIGHTS);
-    let error = |shadows: &str| {
-        let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
-        let frame = render(&gpu, settings, &scene, &map, &set, &camera, [truth.width(), truth.height()]);
+    let error = |settings: RenderSettings, set: &LightSet| {
+        let frame = render(&gpu, settings, &scene, &map, set, &camera, [truth.width(), truth.height()]);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
-    let none = error("none");
+    let by = |shadows: &str| RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
+    let options = FitOptions { ground: scene.stands_on_ground(), ..Default::default() };
+    let default = fit_by("optimized", options, &map);
+    let of_default = error(RenderSettings::default(), &default);
+    println!("{} lights, the default: {of_default:.4}", default.lights.len());
+    assert!(of_default <= tolerances::GPU_DEFAULT_RELATIVE_RMSE_AT_256, "{of_default}");
+    let none = error(by("none"), &set);
     for shadows in SOFT {
-        let soft = error(shadows);
+        let soft = error(by(shadows), &set);
         println!("{} lights: {shadows} {soft:.4}, no shadows {none:.4}", set.lights.len());
         assert!(soft <= tolerances::GPU_RELATIVE_RMSE_AT_256, "{shadows}: {soft}");
     }
