@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
 use gnomon_lights::{DistantLight, LightShape};
 use gnomon_shaders::twin::{depth_moments, hemisphere, math, resample, sample_pattern, series, weighted_box};
+use gnomon_testing::tolerances::SHADER_TWIN;
 
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
@@ -116,6 +117,17 @@ fn octahedral_maps() {
 }
 
 #[test]
+fn luminance() {
+    compare(
+        "math",
+        "vec4f(luminance(a.xyz))",
+        1e-6,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| Vec4::splat(a.truncate().dot(gnomon_picture::LUMINANCE)),
+    );
+}
+
+#[test]
 fn equirect_mapping() {
     let away_from_the_seam =
         |u: Vec4, _| [Vec4::new(0.01 + 0.98 * u.x, 0.01 + 0.98 * u.y, 0.0, 0.0), Vec4::ZERO];
@@ -125,7 +137,7 @@ fn equirect_mapping() {
     compare(
         "math",
         "vec4f(uv_from_direction(direction_from_uv(a.xy)), 0.0, 0.0)",
-        1e-4,
+        SHADER_TWIN,
         away_from_the_seam,
         |[a, _]| {
             let uv = Equirect::uv_from_direction(Equirect::direction_from_uv(Vec2::new(a.x, a.y)));
@@ -156,9 +168,13 @@ fn hemisphere_maps() {
 #[test]
 fn prefiltered_levels() {
     let input = |u: Vec4, _| [Vec4::new(u.x * u.x * u.x, 1.0 + (7.0 * u.y).floor(), 0.0, 0.0), Vec4::ZERO];
-    compare("prefiltered", "vec4f(prefiltered_level(a.x, a.y), 0.0, 0.0, 0.0)", 1e-4, input, |[a, _]| {
-        scalar(gnomon_envmap::prefiltered_level(a.x, a.y))
-    });
+    compare(
+        "prefiltered",
+        "vec4f(prefiltered_level(a.x, a.y), 0.0, 0.0, 0.0)",
+        SHADER_TWIN,
+        input,
+        |[a, _]| scalar(gnomon_envmap::prefiltered_level(a.x, a.y)),
+    );
 }
 
 #[test]
@@ -185,7 +201,7 @@ fn ggx() {
     compare(
         "brdf_ggx",
         "vec4f(v_smith_ggx_correlated(a.x, a.y, a.z), 0.0, 0.0, 0.0)",
-        1e-4,
+        SHADER_TWIN,
         input,
         |[a, _]| scalar(gnomon_brdf::v_smith_ggx_correlated(a.x, a.y, a.z)),
     );
@@ -255,7 +271,7 @@ fn shadow_series() {
         compare(
             "series",
             &body,
-            1e-4,
+            SHADER_TWIN,
             |u, _| [u, Vec4::ZERO],
             move |[a, _]| {
                 let [cosines, sines] = series::series_phases(a.x, group);
@@ -288,7 +304,7 @@ fn shadow_series() {
     compare(
         "series",
         body,
-        1e-4,
+        SHADER_TWIN,
         |u, _| [u, Vec4::ZERO],
         |[a, _]| {
             Vec4::new(
@@ -307,7 +323,7 @@ fn sample_patterns() {
     compare(
         "sample_pattern",
         body,
-        1e-4,
+        SHADER_TWIN,
         |u, _| [u, Vec4::ZERO],
         |[a, _]| {
             let (i, count) = ((a.x * 64.0) as u32, (a.y * 64.0) as u32 + 1);
@@ -383,22 +399,34 @@ fn irradiance_of_spherical_harmonics() {
 fn tone_mapping() {
     let bright = |u: Vec4, _| [8.0 * u * u, Vec4::ZERO];
     let unit = |u, _| [u, Vec4::ZERO];
-    compare("tonemap", "vec4f(srgb_decode(a.x))", 1e-4, unit, |[a, _]| {
+    compare("tonemap", "vec4f(srgb_decode(a.x))", SHADER_TWIN, unit, |[a, _]| {
         Vec4::splat(gnomon_picture::tonemap::srgb_decode(a.x))
     });
-    compare("tonemap", "vec4f(tone_map_neutral(a.xyz), srgb_encode(a.w / 8.0))", 1e-4, bright, |[a, _]| {
-        let mapped = gnomon_picture::tonemap::tone_map_neutral(a.truncate());
-        mapped.extend(gnomon_picture::tonemap::srgb_encode(a.w / 8.0))
-    });
+    compare(
+        "tonemap",
+        "vec4f(tone_map_neutral(a.xyz), srgb_encode(a.w / 8.0))",
+        SHADER_TWIN,
+        bright,
+        |[a, _]| {
+            let mapped = gnomon_picture::tonemap::tone_map_neutral(a.truncate());
+            mapped.extend(gnomon_picture::tonemap::srgb_encode(a.w / 8.0))
+        },
+    );
 }
 
 #[test]
 fn angles_to_outlines() {
     let direction = |u: Vec4, v| [unit_vector(u).extend(0.01 + u.w), unit_vector(v).extend(0.0)];
-    compare("outline_angle", "vec4f(disk_signed_angle(b.xyz, a.xyz, a.w))", 1e-4, direction, |[a, b]| {
-        let light = DistantLight::disk(a.truncate().as_dvec3(), f64::from(a.w), DVec3::ONE);
-        Vec4::splat(light.signed_angle(b.truncate()))
-    });
+    compare(
+        "outline_angle",
+        "vec4f(disk_signed_angle(b.xyz, a.xyz, a.w))",
+        SHADER_TWIN,
+        direction,
+        |[a, b]| {
+            let light = DistantLight::disk(a.truncate().as_dvec3(), f64::from(a.w), DVec3::ONE);
+            Vec4::splat(light.signed_angle(b.truncate()))
+        },
+    );
     let front = [DVec3::X, DVec3::Y, DVec3::NEG_Z];
     let light = DistantLight::rectangle(front, DVec2::new(-0.6, 0.1), DVec2::new(0.4, 0.9), DVec3::ONE);
     let LightShape::Rectangle { corners } = light.shape else { panic!("not a rectangle") };

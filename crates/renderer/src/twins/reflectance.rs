@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_brdf::{Frame, LightPatch, Lobe, Model};
 use gnomon_testing::glossy_surface;
+use gnomon_testing::tolerances::SHADER_TWIN;
 
 use super::{compare, scalar, unit_vector};
 
@@ -119,7 +120,7 @@ fn frames() {
         let sign = if u.w < 0.5 { -1.0 } else { 1.0 };
         [unit_vector(u).extend(sign), (if v.w < 0.1 { Vec3::ZERO } else { unit_vector(v) }).extend(0.0)]
     };
-    compare("brdf_frame", body, 1e-4, input, |[a, b]| {
+    compare("brdf_frame", body, SHADER_TWIN, input, |[a, b]| {
         let frame = Frame::from_tangent(a.truncate(), b.truncate().extend(a.w));
         frame.local_from_world(Vec3::new(0.3, -0.5, 0.8)).extend(0.0)
     });
@@ -132,7 +133,7 @@ fn normalisations() {
     compare(
         "brdf_models",
         body,
-        1e-4,
+        SHADER_TWIN,
         |u, _| [u, Vec4::ZERO],
         |[a, _]| {
             Vec4::new(
