@@ -50,11 +50,6 @@ impl CubeMap {
         &self.faces
     }
 
-    /// The faces, to change their texels.
-    pub fn faces_mut(&mut self) -> &mut [RgbImage; 6] {
-        &mut self.faces
-    }
-
     /// Point on the cube [-1, 1]^3 at `position` on a face: x to the right, y down, both in [-1, 1]. Its length is not 1.
     pub fn point_on_face(face: usize, position: Vec2) -> Vec3 {
         let Vec2 { x: s, y: t } = position;

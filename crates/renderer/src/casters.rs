@@ -1,10 +1,12 @@
-//! What casts shadows: boxes around it, grounds that cast none, and simpler triangles in place of many.
+//! What casts shadows: boxes around it, and simpler triangles in place of many.
 
 use std::ops::Range;
 
 use glam::{Affine3A, Vec3};
-use gnomon_lights::{DistantLight, LightShape};
-use gnomon_scene::{Bounds, SUNKEN};
+use gnomon_lights::DistantLight;
+use gnomon_scene::Bounds;
+
+use crate::ground::Ground;
 
 /// What lies so far on the other side of a plane lies in it, as a share of the longest side of the box around everything.
 const IN_PLANE: f32 = 1e-4;
@@ -34,26 +36,6 @@ impl InstanceBox {
     pub fn corners(&self) -> [Vec3; 8] {
         self.bounds.corners().map(|corner| self.world_from_mesh.transform_point3(corner))
     }
-
-    /// Centre and unit normal of a flat box's plane in world space; the normal's sign is arbitrary.
-    fn plane(&self) -> Option<(Vec3, Vec3)> {
-        let axis = self.bounds.flat_axis()?;
-        let across = |axis: usize| self.world_from_mesh.matrix3.col(axis % 3);
-        let normal = Vec3::from(across(axis + 1).cross(across(axis + 2))).try_normalize()?;
-        Some((self.world_from_mesh.transform_point3(self.bounds.center()), normal))
-    }
-
-    /// Whether the other box, seen along this flat box's normal, lies within it.
-    fn spans(&self, other: &[Vec3; 8]) -> bool {
-        let Some(flat) = self.bounds.flat_axis() else { return false };
-        let mesh_from_world = self.world_from_mesh.inverse();
-        other.iter().all(|corner| {
-            let p = mesh_from_world.transform_point3(*corner);
-            (0..3)
-                .filter(|&axis| axis != flat)
-                .all(|axis| (self.bounds.min[axis]..=self.bounds.max[axis]).contains(&p[axis]))
-        })
-    }
 }
 
 /// The boxes of a pose in world space, as shadow maps are fitted around them.
@@ -75,62 +57,19 @@ pub(crate) struct PlacedBox {
     pub ground: Option<Ground>,
 }
 
-/// Plane of a flat box that has everything else on one side.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ground {
-    pub center: Vec3,
-    /// Unit, of any sign.
-    pub normal: Vec3,
-    /// Whether everything else lies where the normal points to, and on the other side; both if it lies in the plane.
-    bears: [bool; 2],
-}
-
-impl Ground {
-    /// Whether everything else lies on the side to which `towards` points, or has sunk into the plane from there, which nobody sees
-    /// who looks at that side.
-    pub fn bears_towards(&self, towards: Vec3) -> bool {
-        self.bears[usize::from(self.normal.dot(towards) < 0.0)]
-    }
-
-    /// Whether it blocks no part of the light for what it bears: all of the outline lies on that side.
-    fn blocks_nothing_of(&self, light: &DistantLight) -> bool {
-        let up = self.normal * self.normal.dot(light.direction).signum();
-        let is_above = match light.shape {
-            LightShape::Disk { angular_radius } => {
-                up.dot(light.direction).clamp(-1.0, 1.0).asin() > angular_radius
-            }
-            LightShape::Rectangle { corners } => corners.iter().all(|corner| up.dot(*corner) > 0.0),
-        };
-        is_above && self.bears_towards(light.direction)
-    }
-}
-
 impl PlacedBoxes {
     pub fn new(boxes: &[InstanceBox]) -> Self {
-        let corners: Vec<[Vec3; 8]> = boxes.iter().map(InstanceBox::corners).collect();
-        let around = Bounds::around(corners.iter().flatten().copied());
+        let all_corners: Vec<[Vec3; 8]> = boxes.iter().map(InstanceBox::corners).collect();
+        let around = Bounds::around(all_corners.iter().flatten().copied());
         let tolerance = IN_PLANE * around.map_or(0.0, |around| (around.max - around.min).max_element());
-        let ground = |index: usize| {
-            let place = &boxes[index];
-            // One that is alone bears nothing.
-            let (center, normal) = place.plane().filter(|_| boxes.len() > 1)?;
-            let bears = [normal, -normal].map(|up| {
-                let mut others = corners.iter().enumerate().filter(|(other, _)| *other != index);
-                others.all(|(_, other)| {
-                    let (low, high) = heights(other, center, up);
-                    low >= -tolerance || (low >= -SUNKEN * high && place.spans(other))
-                })
-            });
-            bears.contains(&true).then_some(Ground { center, normal, bears })
-        };
         let placed = |(index, corners): (usize, &[Vec3; 8])| PlacedBox {
             corners: *corners,
             indices: boxes[index].indices.clone(),
             simpler: boxes[index].simpler.clone(),
             scale: greatest_scale(&boxes[index].world_from_mesh),
-            ground: ground(index),
+            ground: Ground::of(&boxes[index], index, &all_corners, tolerance),
         };
-        Self { boxes: corners.iter().enumerate().map(placed).collect(), tolerance }
+        Self { boxes: all_corners.iter().enumerate().map(placed).collect(), tolerance }
     }
 
     /// What can cast a shadow: of all indices up to `end` and the simpler ones behind them.
@@ -200,35 +139,12 @@ fn greatest_scale(world_from_mesh: &Affine3A) -> f32 {
     sum(squares.x_axis).max(sum(squares.y_axis)).max(sum(squares.z_axis)).sqrt()
 }
 
-/// Least and greatest height of points above a plane.
-fn heights(points: &[Vec3; 8], center: Vec3, up: Vec3) -> (f32, f32) {
-    let heights = points.iter().map(|point| (*point - center).dot(up));
-    heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    #[test]
-    fn only_a_flat_box_with_an_area_has_a_plane() {
-        let place = Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2);
-        let flat = |max| InstanceBox {
-            bounds: Bounds { min: Vec3::ZERO, max },
-            indices: None,
-            simpler: Vec::new(),
-            instance: 0,
-            world_from_mesh: place,
-        };
-        let (center, normal) = flat(Vec3::new(2.0, 0.0, 2.0)).plane().unwrap();
-        assert!(center.abs_diff_eq(Vec3::new(1.0, -1.0, 0.0), 1e-6) && normal.z.abs() > 0.999);
-        assert!(flat(Vec3::new(2.0, 1.0, 2.0)).plane().is_none());
-        assert!(flat(Vec3::new(2.0, 0.0, 0.0)).plane().is_none());
-        assert!(flat(Vec3::ZERO).plane().is_none());
-    }
-
     /// An axis-aligned box at its place.
-    fn placed(min: Vec3, max: Vec3) -> InstanceBox {
+    pub(crate) fn placed(min: Vec3, max: Vec3) -> InstanceBox {
         let bounds = Bounds { min, max };
         InstanceBox {
             bounds,
@@ -294,28 +210,5 @@ mod tests {
         );
         // Nothing is near enough to what is no number.
         assert_eq!(drawn(None, f32::NAN), [(0, 20)]);
-    }
-
-    /// Whether the first of both bears the other, up and down.
-    fn bears(ground: &InstanceBox, other: InstanceBox) -> [bool; 2] {
-        let placed = PlacedBoxes::new(&[ground.clone(), other]);
-        [Vec3::Y, Vec3::NEG_Y].map(|up| placed.boxes[0].ground.is_some_and(|ground| ground.bears_towards(up)))
-    }
-
-    #[test]
-    fn a_ground_bears_what_has_sunk_into_it_a_little() {
-        let p = Vec3::new;
-        let ground = placed(p(-4.0, 0.0, -4.0), p(4.0, 0.0, 4.0));
-        let model = |depth: f32| placed(p(-1.0, -depth, -1.0), p(1.0, 2.0, 1.0));
-        assert_eq!(bears(&ground, model(0.0)), [true, false]);
-        assert_eq!(bears(&ground, model(0.2)), [true, false]);
-        assert_eq!(bears(&ground, model(0.5)), [false, false]);
-        // The other way round it hangs from a ceiling.
-        assert_eq!(bears(&ground, placed(p(-1.0, -2.0, -1.0), p(1.0, 0.2, 1.0))), [false, true]);
-        // A table top in a high room: what is lower lies beside it and is in its shadow.
-        assert_eq!(bears(&ground, placed(p(-8.0, -0.4, -8.0), p(8.0, 6.0, 8.0))), [false, false]);
-        assert_eq!(bears(&ground, placed(p(-8.0, -0.4, -8.0), p(8.0, -0.4, 8.0))), [false, true]);
-        assert_eq!(bears(&ground, placed(p(5.0, 0.0, 5.0), p(6.0, 0.0, 6.0))), [true, true]);
-        assert!(PlacedBoxes::new(&[ground]).boxes[0].ground.is_none());
     }
 }

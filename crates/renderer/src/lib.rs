@@ -18,6 +18,7 @@ mod error;
 mod gbuffer;
 mod geometry;
 mod gpu;
+mod ground;
 mod light_frame;
 mod light_pass;
 mod lighting;
