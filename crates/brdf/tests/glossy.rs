@@ -37,11 +37,12 @@ fn energy_is_conserved() {
             if matches!(model, Model::Phong | Model::BlinnPhong) {
                 assert!((albedos[0] - 1.0).abs() < 1e-3, "{what}");
             }
-            // A matte part takes what the lobe leaves of 1.
+            // A matte part takes what the lobe leaves of 1; glTF's lies under its interface besides.
+            let least = if model == Model::MetallicRoughness { 0.6 * 0.6 } else { 0.6 };
             let both = layers(surface, 0.4, 0.6);
             let wo = direction(0.5, 0.0);
             let albedo = directional_albedo(|wi| f64::from(both.evaluate(wo, wi).x));
-            assert!(albedo > 0.55 && albedo < 1.0 + 2e-3, "{what}, over a matte part {albedo}");
+            assert!(albedo > least && albedo < 1.0 + 2e-3, "{what}, over a matte part {albedo}");
         }
     }
 }

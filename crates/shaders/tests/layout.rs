@@ -37,7 +37,7 @@ fn planted_faults_are_found() {
     let source = resolve("types", &[]).unwrap();
     let faults = [
         ("    black_point: f32,\n    white_point: f32,", "    white_point: f32,\n    black_point: f32,"),
-        ("@size(12) parameter: f32", "parameter: f32"),
+        ("@size(12) shape: f32", "shape: f32"),
         ("    size: vec2u,", "    size: vec4u,"),
     ];
     for (right, wrong) in faults {
