@@ -11,7 +11,7 @@ use super::{compare, scalar, unit_vector};
 fn lobes() -> impl Iterator<Item = Lobe> {
     let tint = Vec4::new(0.8, 0.5, 0.1, 0.9);
     Model::ALL.iter().flat_map(move |&model| {
-        [0.25, 0.5, 0.95].map(|roughness| Lobe { tint, ..glossy_surface(model, roughness).layers().lobe })
+        [0.283, 0.5, 0.95].map(|roughness| Lobe { tint, ..glossy_surface(model, roughness).layers().lobe })
     })
 }
 
@@ -30,7 +30,7 @@ fn directions(u: Vec4, v: Vec4) -> [Vec4; 2] {
     [wo.extend(u.z), wi.normalize().extend(v.z)]
 }
 
-/// Values up to some hundred hang on cosines rounded to 1e-7, times exponents up to 500 or over squared slopes of 0.004; a power of a
+/// Values up to some hundred hang on cosines rounded to 1e-7, times exponents up to 300 or over squared slopes of 0.006; a power of a
 /// sampled number is wrong by as much again.
 const TOLERANCE: f32 = 2e-3;
 
