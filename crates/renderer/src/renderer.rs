@@ -1,17 +1,15 @@
-use glam::{Mat4, Quat};
+use glam::Quat;
 
 use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
 use gnomon_picture::RgbImage;
-use gnomon_picture::tonemap::ToneMapping;
-use gnomon_scene::{Bounds, Camera, PlacedLight, Scene};
+use gnomon_scene::{Bounds, PlacedLight, Scene};
 use gnomon_shaders::layout;
 
 use crate::ambient::{self, Ambient};
-use crate::camera::CameraMatrices;
-use crate::compose::{ComposePass, RADIANCE_FORMAT};
+use crate::compose::ComposePass;
 use crate::composite::{self, Compositing};
-use crate::depth_maps::{MapView, ShadowMapPass};
+use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -19,9 +17,9 @@ use crate::lighting::PreparedLighting;
 use crate::lod::LevelOfDetail;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
-use crate::recorder::{PassTiming, Recorder};
+use crate::recorder::PassTiming;
 use crate::resolve::{Output, ResolvePass};
-use crate::settings::{RenderSettings, in_range};
+use crate::settings::RenderSettings;
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::{self, ShadowTechnique};
 use crate::unshadowed::{self, Unshadowed};
@@ -30,11 +28,11 @@ use crate::{Gpu, RenderError};
 mod bands;
 mod debug;
 mod display;
+mod draw;
 mod lit;
 mod live;
 mod materials;
 
-use bands::Band;
 use lit::Lit;
 
 /// One finished picture.
@@ -129,7 +127,7 @@ impl Renderer {
             compositing,
             unshadowed,
             cache: RadianceCache::new(gpu, Vec::new(), 1, 1),
-            geometry: Geometry::new(gpu, &passes.transform, &scene)?,
+            geometry: Geometry::new(gpu, &passes.transform, &scene, None)?,
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
             passes,
             settings,
@@ -151,7 +149,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold it; the scene before it then stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
+        let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene, Some(&self.geometry))?;
         let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.set_near_lights(scene)?;
         (self.geometry, self.materials) = (geometry, materials);
@@ -210,138 +208,5 @@ impl Renderer {
             self.target = None;
         }
         self.gpu.check()
-    }
-
-    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
-        let largest =
-            self.gpu.device.limits().max_texture_dimension_2d / self.settings.techniques.supersample;
-        in_range("picture width", width, 1..=largest)?;
-        in_range("picture height", height, 1..=largest)?;
-        Ok(())
-    }
-
-    /// Draws the rows of a band of a picture of `width` x `height` pixels, top row first, without waiting for them.
-    fn submit_band(
-        &mut self,
-        camera: &Camera,
-        [width, height]: [u32; 2],
-        band: &Band,
-    ) -> Result<Vec<PassTiming>, RenderError> {
-        let rows = band.drawn.clone();
-        let is_first = band.kept.start == 0;
-        let gpu = &self.gpu;
-        gpu.check()?;
-        let size = [width, rows.len() as u32];
-        if self.target.as_ref().is_none_or(|target| target.size != size) {
-            self.target = Some(self.new_target(size)?);
-        }
-        let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
-            return Err(RenderError::Device("no lighting was set".to_owned()));
-        };
-        let samples = self.settings.techniques.supersample;
-        let sample_size = size.map(|side| side * samples);
-        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
-        let matrices = matrices.cropped(height, rows);
-        let map_views = self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
-
-        let mut recorder = Recorder::new(gpu, self.settings.measure.profile);
-        if is_first {
-            self.passes.transform.encode(&mut recorder, &self.geometry);
-        }
-        recorder.end_pass("transform")?;
-        self.passes.gbuffer.encode(
-            &mut recorder,
-            &target.gbuffer,
-            &self.view_group,
-            &self.geometry,
-            &self.materials,
-        );
-        recorder.end_pass("gbuffer")?;
-        let gbuffer_group = &target.gbuffer.group;
-        self.passes.points.encode(&mut recorder, &target.points, &self.view_group, gbuffer_group);
-        recorder.end_pass("points")?;
-        lit.batches.encode(
-            &mut recorder,
-            (&self.passes.shadow_map, &lit.light),
-            (&self.geometry, &map_views),
-            &lit.frame_groups,
-            (gbuffer_group, &target.points),
-            is_first,
-        )?;
-        let (mut exposure, mut tone_mapping) =
-            (self.settings.display.exposure.unwrap_or(0.0), self.settings.display.tone_mapping);
-        if let Some(debug) = &self.debug {
-            self.encode_debug_view(&mut recorder, debug, (lit, target, &map_views), camera, sample_size);
-            recorder.end_pass("debug view")?;
-            (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
-        } else {
-            if is_first {
-                self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
-            }
-            recorder.end_pass("radiance cache")?;
-            let groups = [
-                (layout::GROUP_FRAME, &lit.environment.compose),
-                (layout::GROUP_SURFACE, gbuffer_group),
-                (layout::GROUP_PASS, &target.points.compose_group),
-            ];
-            self.passes.compose.encode(&mut recorder, groups, sample_size);
-            recorder.end_pass("compose")?;
-        }
-        self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
-        recorder.end_pass("resolve")?;
-        recorder.finish()
-    }
-
-    fn write_uniforms(
-        &self,
-        lit: &Lit,
-        camera: &Camera,
-        matrices: &CameraMatrices,
-        [width, height]: [u32; 2],
-        interleave: u32,
-    ) -> Vec<Vec<MapView>> {
-        let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
-        let flag = |on, flag| if on { flag } else { 0 };
-        let view = layout::View {
-            clip_from_world: matrices.clip_from_world,
-            world_from_clip: matrices.world_from_clip,
-            eye_world: matrices.eye_world,
-            size: [width, height].into(),
-            flags: flag(self.settings.display.background, layout::FLAG_BACKGROUND)
-                | flag(self.unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
-            shadow_sampling: self.settings.techniques.shadow_sampling,
-            sample_extent: matrices.view_width / width as f32,
-            interleave,
-            residual_sh: lit.lighting.residual_sh,
-            full_sh: lit.lighting.full_sh,
-            environment_from_world,
-        };
-        self.gpu.write(&self.view, &view);
-        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
-        self.cache.write(&self.gpu, to_viewer, environment_from_world);
-        let offset = self.settings.techniques.normal_offset;
-        let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
-        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, &self.geometry, offset, only)
-    }
-
-    fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
-        let gpu = &self.gpu;
-        let sample_size = size.map(|side| side * self.settings.techniques.supersample);
-        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-        let [width, height] = sample_size;
-        let samples = gpu
-            .texture("samples", [width, height, 1], 1, RADIANCE_FORMAT, usage)
-            .create_view(&Default::default());
-        Ok(Target {
-            size,
-            gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.techniques.supersample),
-            points: self.passes.points.points(
-                gpu,
-                sample_size,
-                self.settings.techniques.shadow_sampling,
-                &samples,
-            )?,
-            output: self.passes.resolve.output(gpu, &samples, size),
-        })
     }
 }

@@ -332,13 +332,6 @@ fn sample_patterns() {
             disk.extend(square.x).extend(square.y)
         },
     );
-    compare(
-        "sample_pattern",
-        "vec4f(noise(a.xyz), 0.0, 0.0)",
-        0.0,
-        |u, _| [u, Vec4::ZERO],
-        |[a, _]| sample_pattern::noise(a.truncate()).extend(0.0).extend(0.0),
-    );
 }
 
 #[test]

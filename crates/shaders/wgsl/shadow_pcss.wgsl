@@ -37,11 +37,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) 
     }
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
-    var jitter = fract(f32(light) * vec2f(0.7548777, 0.5698403));
-    if parameters.rotate_per_pixel != 0u {
-        jitter = fract(jitter + noise(position_world));
-    }
-    let outline = light_outline(light, jitter);
+    let outline = light_outline(light, fract(f32(light) * vec2f(0.7548777, 0.5698403)));
     let blockers = blocker_search(light, outline, receiver, gradient);
     if blockers.y == 0.0 {
         return 1.0;

@@ -88,7 +88,9 @@ impl Bare {
     fn restore(&self, scene: &mut Scene) {
         scene.meshes.truncate(self.material_of_mesh.len());
         for (mesh, material) in scene.meshes.iter_mut().zip(&self.material_of_mesh) {
-            mesh.material = *material;
+            if mesh.material != *material {
+                Arc::make_mut(mesh).material = *material;
+            }
         }
         scene.nodes.truncate(self.nodes);
         scene.materials.clone_from(&self.materials);

@@ -2,14 +2,9 @@
 
 use std::ops::Range;
 
-use bytemuck::pod_collect_to_vec;
-use gnomon_picture::RgbImage;
-use gnomon_scene::Camera;
-
-use super::{Frame, Renderer};
-use crate::recorder::PassTiming;
+use super::Renderer;
 use crate::settings::TechniqueSettings;
-use crate::{RenderError, shading_points};
+use crate::shading_points;
 
 /// Rows of a picture that are drawn at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,7 +16,7 @@ pub(super) struct Band {
 }
 
 impl Band {
-    fn whole(height: u32) -> Self {
+    pub(super) fn whole(height: u32) -> Self {
         Self { drawn: 0..height, kept: 0..height }
     }
 }
@@ -40,7 +35,7 @@ fn cut(height: u32, kept: u32, overlap: u32) -> Vec<Band> {
 
 impl Renderer {
     /// How a picture has to be cut: one band where the adapter allows buffers for all of its samples. Debug views are never cut.
-    fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
+    pub(super) fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
         let TechniqueSettings { supersample: samples, shadow_sampling: sampling, .. } =
             self.settings.techniques;
         let fits = |rows: u32| {
@@ -57,97 +52,6 @@ impl Renderer {
         }
         // Where not even one row of tiles fits, the error is that of the whole picture.
         most().map_or(vec![whole], |kept| cut(height, kept, overlap))
-    }
-
-    /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
-    /// samples it is drawn in bands of rows; [`Renderer::display_view`] then shows the last one.
-    ///
-    /// # Errors
-    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
-    /// [`RenderError::NotFinite`] where it drew what is no picture.
-    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
-        self.check_size([width, height])?;
-        self.render_bands(camera, [width, height], &self.bands([width, height]))
-    }
-
-    fn render_bands(
-        &mut self,
-        camera: &Camera,
-        [width, height]: [u32; 2],
-        bands: &[Band],
-    ) -> Result<Frame, RenderError> {
-        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
-        for band in bands {
-            add(&mut timings, self.submit_band(camera, [width, height], band)?);
-            self.gpu.wait()?;
-            let Some(target) = &self.target else {
-                return Err(RenderError::Device("no frame was drawn".to_owned()));
-            };
-            let texels: Vec<[f32; 4]> =
-                pod_collect_to_vec(&self.gpu.read_texture(&target.output.radiance, 16)?);
-            let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&self.gpu.read_texture(&target.output.display, 4)?);
-            let before = ((band.kept.start - band.drawn.start) * width) as usize;
-            let count = (band.kept.len() as u32 * width) as usize;
-            let kept = texels.iter().skip(before).take(count);
-            radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
-            display.extend(bytes.into_iter().skip(before).take(count));
-        }
-        let pixels = radiance.iter().filter(|radiance| !radiance.is_finite()).count();
-        if pixels > 0 {
-            return Err(RenderError::NotFinite { pixels, adapter: self.gpu.adapter().name.clone() });
-        }
-        let radiance = RgbImage::from_texels(width, height, radiance)
-            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
-        Ok(Frame { radiance, display, timings })
-    }
-
-    /// Draws one frame without reading it back, in bands as [`Renderer::render`] does, and waits until the device is idle: what a
-    /// benchmark times.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`].
-    pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
-        self.check_size([width, height])?;
-        let mut timings = Vec::new();
-        for band in self.bands([width, height]) {
-            add(&mut timings, self.submit_band(camera, [width, height], &band)?);
-            self.gpu.wait()?;
-        }
-        Ok(timings)
-    }
-
-    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`].
-    ///
-    /// # Errors
-    /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
-    /// may come only with a later call.
-    pub fn submit(
-        &mut self,
-        camera: &Camera,
-        width: u32,
-        height: u32,
-    ) -> Result<Vec<PassTiming>, RenderError> {
-        self.check_size([width, height])?;
-        self.submit_band(camera, [width, height], &Band::whole(height))
-    }
-
-    /// Waits until everything that was submitted is drawn.
-    ///
-    /// # Errors
-    /// [`RenderError::Device`] where the device failed.
-    pub fn wait(&self) -> Result<(), RenderError> {
-        self.gpu.wait()
-    }
-}
-
-/// Adds a band's times to those of the bands before it.
-fn add(timings: &mut Vec<PassTiming>, of_band: Vec<PassTiming>) {
-    if timings.is_empty() {
-        *timings = of_band;
-        return;
-    }
-    for (sum, pass) in timings.iter_mut().zip(of_band) {
-        sum.milliseconds += pass.milliseconds;
     }
 }
 

@@ -18,8 +18,6 @@ pub struct MomentSettings {
     pub moment_bias: f32,
     /// Distance towards the light by which a receiver is moved, as a share of the depth range, 0 to 1.
     pub depth_bias: f32,
-    /// The same per depth that the receiver's tangent plane climbs over one kernel width, 0 to 10: its own surface is no blocker.
-    pub slope_bias: f32,
     /// Factor on every kernel's width, 0 to 10. At 1.2, with `intensity_scale` 1, the penumbra of one light over a plane has its
     /// closed form's width; where many depths meet under a kernel the moments leak light, the more the wider it is, and pictures
     /// of many lights have the least error with narrower ones.
@@ -35,7 +33,6 @@ impl Default for MomentSettings {
         Self {
             moment_bias: 1e-6,
             depth_bias: 0.002,
-            slope_bias: 0.0,
             footprint_scale: 0.6,
             intensity_scale: 1.1,
             normal_offset_scale: 0.5,
@@ -97,7 +94,6 @@ impl Resources {
             max_level: (levels - 1) as f32,
             moment_bias: in_range("moment bias", settings.moment_bias, 0.0..=1.0)?,
             depth_bias: in_range("depth bias of moment shadows", settings.depth_bias, 0.0..=1.0)?,
-            slope_bias: in_range("slope bias of moment shadows", settings.slope_bias, 0.0..=10.0)?,
             footprint_scale: in_range(
                 "kernel scale of moment shadows",
                 settings.footprint_scale,

@@ -16,8 +16,6 @@ pub struct PcssSettings {
     /// Distance towards the light by which a receiver is moved, as a share of the depth range, 0 to 1. Tilted surfaces are
     /// covered by the comparison with their own plane; this bias only has to cover rounding.
     pub depth_bias: f32,
-    /// Turns the samples from place to place, which trades banding for noise.
-    pub rotate_per_pixel: bool,
 }
 
 impl Default for PcssSettings {
@@ -27,7 +25,6 @@ impl Default for PcssSettings {
             filter_samples: 32,
             normal_offset_scale: 0.35,
             depth_bias: 0.001,
-            rotate_per_pixel: false,
         }
     }
 }
@@ -51,7 +48,6 @@ fn parameters(settings: &ShadowSettings, _: u32) -> Result<Vec<u8>, RenderError>
             0.0..=10.0,
         )?,
         depth_bias: in_range("depth bias of soft shadows", settings.depth_bias, 0.0..=1.0)?,
-        rotate_per_pixel: u32::from(settings.rotate_per_pixel),
     };
     Ok(layout::bytes(&parameters))
 }
