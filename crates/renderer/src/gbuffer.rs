@@ -1,10 +1,10 @@
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2};
-use crate::depth_maps::DEPTH_FORMAT;
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::recorder::Recorder;
+use crate::shadow::depth_maps::DEPTH_FORMAT;
 use crate::{Gpu, RenderError};
 
 const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -104,10 +104,8 @@ fn address(mesh: &Arc<Mesh>) -> usize {
 /// Details of the rigid meshes among those placed; of meshes that were there before, those that are `known`.
 fn details(scene: &Scene, placed: &[Instance], known: &MeshDetails) -> MeshDetails {
     let rigid = placed.iter().filter(|instance| !scene.is_deformable(instance));
-    let meshes: HashMap<usize, &Arc<Mesh>> = rigid
-        .map(|instance| &scene.meshes[instance.mesh.0])
-        .map(|mesh| (address(mesh), mesh))
-        .collect();
+    let meshes: HashMap<usize, &Arc<Mesh>> =
+        rigid.map(|instance| &scene.meshes[instance.mesh.0]).map(|mesh| (address(mesh), mesh)).collect();
     let detail = |(address, mesh): (usize, &Arc<Mesh>)| {
         let detail = known.get(&address).cloned();
         (address, detail.unwrap_or_else(|| Arc::new(MeshDetail::new(mesh))))

@@ -6,10 +6,6 @@ use gnomon_picture::RgbImage;
 use gnomon_scene::{Bounds, PlacedLight, Scene};
 use gnomon_shaders::layout;
 
-use crate::ambient::{self, Ambient};
-use crate::compose::ComposePass;
-use crate::composite::{self, Compositing};
-use crate::depth_maps::ShadowMapPass;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -19,21 +15,21 @@ use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::recorder::PassTiming;
 use crate::resolve::{Output, ResolvePass};
-use crate::settings::RenderSettings;
+use crate::settings::{Chosen, RenderSettings};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
-use crate::shadow::{self, ShadowTechnique};
-use crate::unshadowed::{self, Unshadowed};
+use crate::shadow::depth_maps::ShadowMapPass;
+use crate::shadow::technique::SharedPasses;
 use crate::{Gpu, RenderError};
 
 mod bands;
 mod debug;
 mod display;
 mod draw;
-mod lit;
 mod live;
 mod materials;
+mod state;
 
-use lit::Lit;
+use state::{Lit, State};
 
 /// One finished picture.
 pub struct Frame {
@@ -48,19 +44,13 @@ pub struct Frame {
 /// Draws a scene under an environment. Everything that depends on geometry happens in every frame.
 pub struct Renderer {
     gpu: Gpu,
-    settings: RenderSettings,
-    technique: &'static dyn ShadowTechnique,
-    ambient: &'static Ambient,
-    compositing: &'static Compositing,
-    unshadowed: &'static Unshadowed,
     passes: Passes,
     geometry: Geometry,
     materials: Materials,
     bounds: Option<Bounds>,
     near_lights: Vec<PlacedLight>,
-    cache: RadianceCache,
-    lighting: Option<Lit>,
     world_from_environment: Quat,
+    state: State,
     target: Option<Target>,
     debug: Option<debug::Debug>,
     view: wgpu::Buffer,
@@ -69,11 +59,9 @@ pub struct Renderer {
 
 struct Passes {
     transform: TransformPass,
-    shadow_map: ShadowMapPass,
     gbuffer: GBufferPass,
     points: ShadingPointsPass,
-    frame_layout: wgpu::BindGroupLayout,
-    compose: ComposePass,
+    shared: SharedPasses,
     cache: RadianceCachePass,
     resolve: ResolvePass,
 }
@@ -82,7 +70,8 @@ struct Passes {
 struct Target {
     size: [u32; 2],
     gbuffer: GBuffer,
-    points: ShadingPoints,
+    /// Every list of points that lights may be summed at: one for all of them.
+    points: [ShadingPoints; 1],
     output: Output,
 }
 
@@ -95,21 +84,18 @@ impl Renderer {
     /// # Errors
     /// A setting names nothing or is out of range, or the device failed.
     pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
-        settings.check()?;
-        let technique = shadow::by_name(&settings.techniques.shadows)?;
-        let ambient = ambient::by_name(&settings.lighting.ambient)?;
-        let compositing = composite::by_name(&settings.techniques.compositing)?;
-        let unshadowed = unshadowed::by_name(&settings.techniques.unshadowed)?;
+        let chosen = Chosen::new(settings)?;
         let gbuffer = GBufferPass::new(gpu)?;
         let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
-        let compose = ComposePass::new(gpu, &gbuffer.read_layout, &points.compose_layout, compositing)?;
         let passes = Passes {
             transform: TransformPass::new(gpu)?,
-            shadow_map: ShadowMapPass::new(gpu)?,
+            shared: SharedPasses {
+                shadow_map: ShadowMapPass::new(gpu)?,
+                frame: light_pass::frame_layout(gpu),
+                gbuffer: gbuffer.read_layout.clone(),
+            },
             gbuffer,
             points,
-            frame_layout: light_pass::frame_layout(gpu),
-            compose,
             cache: RadianceCachePass::new(gpu)?,
             resolve: ResolvePass::new(gpu)?,
         };
@@ -122,18 +108,17 @@ impl Renderer {
         let view_group = passes.gbuffer.view_group(gpu, &view);
         let renderer = Self {
             gpu: gpu.clone(),
-            technique,
-            ambient,
-            compositing,
-            unshadowed,
-            cache: RadianceCache::new(gpu, Vec::new(), 1, 1),
+            state: State {
+                compose: passes.compose(gpu, &chosen)?,
+                cache: RadianceCache::new(gpu, Vec::new(), 1, 1),
+                chosen,
+                lit: None,
+            },
             geometry: Geometry::new(gpu, &passes.transform, &scene, None)?,
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
             passes,
-            settings,
             bounds: None,
             near_lights: Vec::new(),
-            lighting: None,
             world_from_environment: Quat::IDENTITY,
             target: None,
             debug: None,
@@ -179,7 +164,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
     pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
-        self.set_prepared_lighting(PreparedLighting::new(map, set, &self.settings)?)
+        self.set_prepared_lighting(PreparedLighting::new(map, set, self.settings())?)
     }
 
     /// Takes another level of detail over: `set` is another fit to the environment that was given last, with as many lights as
@@ -189,24 +174,19 @@ impl Renderer {
     /// [`RenderError::OutOfRange`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
     pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
         let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
-        let settings = self.settings.clone().with(|s| {
+        let chosen = Chosen::new(self.settings().clone().with(|s| {
             s.techniques.shadow_resolution = shadow_resolution;
             s.techniques.shadow_sampling = shadow_sampling;
-        });
-        settings.check()?;
-        let ambient = self.ambient.lights(set, self.settings.lighting.ambient_cells)?;
-        let Some(lit) = &self.lighting else {
+        }))?;
+        let Some(lit) = &self.state.lit else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
+        let ambient = chosen.ambient.lights(set, chosen.settings.lighting.ambient_cells)?;
         let lighting = lit.lighting.clone().with_lights(&self.gpu, ambient);
-        let before = std::mem::replace(&mut self.settings, settings);
-        if let Err(error) = self.light_up(lighting) {
-            self.settings = before;
-            return Err(error);
-        }
-        if before.techniques.shadow_sampling != shadow_sampling {
-            self.target = None;
-        }
+        let lit = self.lit(&chosen, (&self.state.compose, &self.state.cache), lighting, &self.near_lights)?;
+        self.keep_target_for(&chosen);
+        self.state.chosen = chosen;
+        self.take_lit(lit);
         self.gpu.check()
     }
 }

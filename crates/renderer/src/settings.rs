@@ -1,9 +1,14 @@
 use gnomon_picture::tonemap::ToneMapping;
+use gnomon_scene::Scene;
+use gnomon_shaders::layout::CachedLobe;
 
 use crate::RenderError;
+use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
-use crate::shadow::{self, ShadowSettings};
-use crate::{ambient, composite, unshadowed};
+use crate::composite::{self, Compositing};
+use crate::shadow::technique::ShadowTechnique;
+use crate::shadow::{self, ShadowSettings, VisibilityPath};
+use crate::unshadowed::{self, Unshadowed};
 
 /// How frames are drawn, in parts that change together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,6 +62,8 @@ pub struct TechniqueSettings {
     pub shadows: String,
     /// Parameters of the techniques.
     pub shadow_settings: ShadowSettings,
+    /// How the sum of light learns what they find.
+    pub visibility: VisibilityPath,
     /// Edge length of the largest depth map in texels: a power of two, 16 to 8192.
     pub shadow_resolution: u32,
     /// How that becomes the size of each light's map.
@@ -86,6 +93,7 @@ impl Default for TechniqueSettings {
         Self {
             shadows: "pcss".to_owned(),
             shadow_settings: ShadowSettings::default(),
+            visibility: VisibilityPath::default(),
             shadow_resolution: 256,
             shadow_sizing: ShadowSizing::default(),
             shadow_memory: 1024,
@@ -121,7 +129,7 @@ impl RenderSettings {
     /// [`RenderError::UnknownName`] or [`RenderError::OutOfRange`] for the first that does not.
     pub fn check(&self) -> Result<(), RenderError> {
         let Self { display, lighting, techniques, .. } = self;
-        shadow::by_name(&techniques.shadows)?;
+        shadow::by_name(&techniques.shadows, techniques.visibility)?;
         ambient::by_name(&lighting.ambient)?;
         composite::by_name(&techniques.compositing)?;
         unshadowed::by_name(&techniques.unshadowed)?;
@@ -136,6 +144,40 @@ impl RenderSettings {
             techniques.shadow_sampling,
             1..=32,
         )
+    }
+}
+
+/// Settings, and what their names stand for.
+#[derive(Clone)]
+pub(crate) struct Chosen {
+    pub settings: RenderSettings,
+    pub technique: &'static dyn ShadowTechnique,
+    pub ambient: &'static Ambient,
+    pub compositing: &'static Compositing,
+    pub unshadowed: &'static Unshadowed,
+}
+
+impl Chosen {
+    /// # Errors
+    /// As [`RenderSettings::check`].
+    pub fn new(settings: RenderSettings) -> Result<Self, RenderError> {
+        settings.check()?;
+        let RenderSettings { lighting, techniques, .. } = &settings;
+        Ok(Self {
+            technique: shadow::by_name(&techniques.shadows, techniques.visibility)?,
+            ambient: ambient::by_name(&lighting.ambient)?,
+            compositing: composite::by_name(&techniques.compositing)?,
+            unshadowed: unshadowed::by_name(&techniques.unshadowed)?,
+            settings,
+        })
+    }
+
+    /// The lobes of a scene's materials that the radiance cache is for.
+    pub fn cached_lobes(&self, scene: &Scene) -> Vec<CachedLobe> {
+        match self.compositing.needs_unshadowed {
+            true => self.unshadowed.cached_lobes(scene),
+            false => Vec::new(),
+        }
     }
 }
 

@@ -16,6 +16,10 @@ pub(crate) struct ShadingPoints {
     pub compose_group: wgpu::BindGroup,
     /// Arguments of an indirect dispatch over all points.
     pub dispatch: wgpu::Buffer,
+    /// The points themselves, [`layout::ShadingPoint`]s.
+    pub list: wgpu::Buffer,
+    /// How many there is room for.
+    pub capacity: u64,
     count: wgpu::Buffer,
     sample_size: [u32; 2],
     sampling: u32,
@@ -128,6 +132,8 @@ impl ShadingPointsPass {
                 Some(radiance),
             ),
             dispatch,
+            list: points,
+            capacity,
             count,
             sample_size,
             sampling,

@@ -40,7 +40,7 @@ impl Scene {
     /// Everything shading needs at a point of a triangle, `barycentrics` being the weights of its three corners
     /// (they sum to 1). The mesh and triangle must exist.
     pub fn surface_at(&self, mesh: MeshId, triangle: usize, barycentrics: Vec3) -> SurfacePoint {
-        let Mesh { positions, normals, tangents, .. } = &self.meshes[mesh.0];
+        let Mesh { positions, normals, tangents, .. } = &*self.meshes[mesh.0];
         self.surface_of(mesh, (positions, normals, tangents), triangle, barycentrics)
     }
 
@@ -266,7 +266,8 @@ mod tests {
     #[test]
     fn vertex_colors_multiply_the_base_color() {
         let mut scene = scene([[255; 4]; 2], |material, _| material.surface.base_color = Vec3::splat(0.5));
-        Arc::make_mut(&mut scene.meshes[0]).colors = vec![Vec4::ONE, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE];
+        Arc::make_mut(&mut scene.meshes[0]).colors =
+            vec![Vec4::ONE, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE];
         let point = scene.surface_at(MeshId(0), 0, Vec3::new(0.5, 0.5, 0.0));
         assert!((point.surface.base_color - Vec3::new(0.5, 0.25, 0.25)).length() < 1e-6);
     }

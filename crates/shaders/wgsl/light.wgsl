@@ -32,7 +32,7 @@ fn light(
         if form_factor <= 0.0 {
             continue;
         }
-        let visible = visibility(light, surface.position_world, surface.geometric_normal, surface.n);
+        let visible = visibility(light, point, surface.position_world, surface.geometric_normal, surface.n);
         if lights[light].role == ROLE_PROBE {
             sums.probed += form_factor;
             sums.probed_open += form_factor * visible;

@@ -23,7 +23,7 @@ fn filtered_blockers(light: u32, uv: vec2f, d: f32, width_uv: f32) -> vec2f {
     return vec2f(found.x, 0.5 * found.y + 0.5);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
+fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {

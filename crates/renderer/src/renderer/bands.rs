@@ -37,7 +37,7 @@ impl Renderer {
     /// How a picture has to be cut: one band where the adapter allows buffers for all of its samples. Debug views are never cut.
     pub(super) fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
         let TechniqueSettings { supersample: samples, shadow_sampling: sampling, .. } =
-            self.settings.techniques;
+            self.settings().techniques;
         let fits = |rows: u32| {
             let sums = shading_points::sum_bytes([width * samples, rows * samples], sampling);
             sums <= self.gpu.device.limits().max_storage_buffer_binding_size
@@ -97,7 +97,7 @@ mod tests {
             let mut renderer = Renderer::new(&gpu, settings).unwrap();
             renderer.set_scene(&scene).unwrap();
             renderer.set_lighting(&map, &lights).unwrap();
-            assert_eq!(renderer.lighting.as_ref().unwrap().batches.len() > 1, memory == 1);
+            assert_eq!(renderer.shadow_batches() > 1, memory == 1);
             let size = [64, 50];
             let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
             let mut differences = |overlap: u32| {

@@ -8,13 +8,13 @@ use gnomon_scene::Camera;
 use gnomon_shaders::layout;
 
 use super::bands::Band;
-use super::{Frame, Lit, Renderer, Target};
+use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
 use crate::compose::RADIANCE_FORMAT;
-use crate::depth_maps::MapView;
+use crate::light_batches::LitScene;
 use crate::recorder::{PassTiming, Recorder};
-use crate::settings::in_range;
+use crate::settings::{Chosen, in_range};
 
 impl Renderer {
     /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
@@ -99,7 +99,7 @@ impl Renderer {
 
     fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
         let largest =
-            self.gpu.device.limits().max_texture_dimension_2d / self.settings.techniques.supersample;
+            self.gpu.device.limits().max_texture_dimension_2d / self.settings().techniques.supersample;
         in_range("picture width", width, 1..=largest)?;
         in_range("picture height", height, 1..=largest)?;
         Ok(())
@@ -114,22 +114,23 @@ impl Renderer {
     ) -> Result<Vec<PassTiming>, RenderError> {
         let rows = band.drawn.clone();
         let is_first = band.kept.start == 0;
-        let gpu = &self.gpu;
-        gpu.check()?;
+        self.gpu.check()?;
         let size = [width, rows.len() as u32];
         if self.target.as_ref().is_none_or(|target| target.size != size) {
             self.target = Some(self.new_target(size)?);
         }
-        let (Some(lit), Some(target)) = (&self.lighting, &self.target) else {
+        self.fit_lights()?;
+        let State { chosen, compose, cache, lit } = &self.state;
+        let (Some(lit), Some(target), settings) = (lit, &self.target, &chosen.settings) else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
-        let samples = self.settings.techniques.supersample;
+        let samples = settings.techniques.supersample;
         let sample_size = size.map(|side| side * samples);
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
         let matrices = matrices.cropped(height, rows);
-        let map_views = self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
+        self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
 
-        let mut recorder = Recorder::new(gpu, self.settings.measure.profile);
+        let mut recorder = Recorder::new(&self.gpu, settings.measure.profile);
         if is_first {
             self.passes.transform.encode(&mut recorder, &self.geometry);
         }
@@ -143,33 +144,34 @@ impl Renderer {
         );
         recorder.end_pass("gbuffer")?;
         let gbuffer_group = &target.gbuffer.group;
-        self.passes.points.encode(&mut recorder, &target.points, &self.view_group, gbuffer_group);
+        for points in &target.points {
+            self.passes.points.encode(&mut recorder, points, &self.view_group, gbuffer_group);
+        }
         recorder.end_pass("points")?;
-        lit.batches.encode(
-            &mut recorder,
-            (&self.passes.shadow_map, &lit.light),
-            (&self.geometry, &map_views),
-            &lit.frame_groups,
-            (gbuffer_group, &target.points),
-            is_first,
-        )?;
+        let scene = LitScene {
+            geometry: &self.geometry,
+            gbuffer: gbuffer_group,
+            points: &target.points,
+            is_first_band: is_first,
+        };
+        lit.batches.encode(&mut recorder, &lit.light, scene)?;
         let (mut exposure, mut tone_mapping) =
-            (self.settings.display.exposure.unwrap_or(0.0), self.settings.display.tone_mapping);
+            (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
         if let Some(debug) = &self.debug {
-            self.encode_debug_view(&mut recorder, debug, (lit, target, &map_views), camera, sample_size);
+            self.encode_debug_view(&mut recorder, debug, (lit, target, scene), camera, sample_size)?;
             recorder.end_pass("debug view")?;
             (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
         } else {
             if is_first {
-                self.passes.cache.encode(&mut recorder, &self.cache, &lit.environment.cache);
+                self.passes.cache.encode(&mut recorder, cache, &lit.environment.cache);
             }
             recorder.end_pass("radiance cache")?;
             let groups = [
                 (layout::GROUP_FRAME, &lit.environment.compose),
                 (layout::GROUP_SURFACE, gbuffer_group),
-                (layout::GROUP_PASS, &target.points.compose_group),
+                (layout::GROUP_PASS, &target.points[0].compose_group),
             ];
-            self.passes.compose.encode(&mut recorder, groups, sample_size);
+            compose.encode(&mut recorder, groups, sample_size);
             recorder.end_pass("compose")?;
         }
         self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
@@ -184,7 +186,8 @@ impl Renderer {
         matrices: &CameraMatrices,
         [width, height]: [u32; 2],
         interleave: u32,
-    ) -> Vec<Vec<MapView>> {
+    ) {
+        let Chosen { settings, unshadowed, .. } = &self.state.chosen;
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
         let view = layout::View {
@@ -192,9 +195,9 @@ impl Renderer {
             world_from_clip: matrices.world_from_clip,
             eye_world: matrices.eye_world,
             size: [width, height].into(),
-            flags: flag(self.settings.display.background, layout::FLAG_BACKGROUND)
-                | flag(self.unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
-            shadow_sampling: self.settings.techniques.shadow_sampling,
+            flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
+                | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
+            shadow_sampling: settings.techniques.shadow_sampling,
             sample_extent: matrices.view_width / width as f32,
             interleave,
             residual_sh: lit.lighting.residual_sh,
@@ -203,15 +206,29 @@ impl Renderer {
         };
         self.gpu.write(&self.view, &view);
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
-        self.cache.write(&self.gpu, to_viewer, environment_from_world);
-        let offset = self.settings.techniques.normal_offset;
-        let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
-        lit.batches.write_lights(&self.gpu, &lit.lighting, &self.near_lights, &self.geometry, offset, only)
+        self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+    }
+
+    /// Plans batches anew where the target's points ask for it, and fits lights around the scene where anything moved.
+    fn fit_lights(&mut self) -> Result<(), RenderError> {
+        let room = self.room_for_points();
+        if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(&room))
+            && let Some(lit) = self.relit(&self.near_lights)?
+        {
+            self.take_lit(lit);
+        }
+        if let Some(lit) = &mut self.state.lit {
+            let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
+            let lights = (&lit.lighting, self.near_lights.as_slice());
+            lit.batches.fit(&self.gpu, lights, &self.geometry, only);
+        }
+        Ok(())
     }
 
     fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
         let gpu = &self.gpu;
-        let sample_size = size.map(|side| side * self.settings.techniques.supersample);
+        let techniques = &self.settings().techniques;
+        let sample_size = size.map(|side| side * techniques.supersample);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
         let [width, height] = sample_size;
         let samples = gpu
@@ -219,8 +236,8 @@ impl Renderer {
             .create_view(&Default::default());
         Ok(Target {
             size,
-            gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.techniques.supersample),
-            points: self.passes.points.points(gpu, sample_size, self.settings.techniques.shadow_sampling, &samples)?,
+            gbuffer: self.passes.gbuffer.target(gpu, sample_size, techniques.supersample),
+            points: [self.passes.points.points(gpu, sample_size, techniques.shadow_sampling, &samples)?],
             output: self.passes.resolve.output(gpu, &samples, size),
         })
     }

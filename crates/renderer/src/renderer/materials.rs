@@ -2,10 +2,9 @@
 
 use gnomon_scene::Scene;
 
-use super::{CACHE_SAMPLES, Renderer};
+use super::Renderer;
 use crate::RenderError;
 use crate::materials::Materials;
-use crate::radiance_cache::RadianceCache;
 
 impl Renderer {
     /// Takes new material parameters of the scene that was set last, reflectance models among them, without an upload of its meshes or
@@ -22,20 +21,5 @@ impl Renderer {
         }
         self.cache_lobes(scene);
         self.gpu.check()
-    }
-
-    /// Makes the radiance cache one of the scene's lobes.
-    pub(super) fn cache_lobes(&mut self, scene: &Scene) {
-        let wanted = self.compositing.needs_unshadowed;
-        let lobes = if wanted { self.unshadowed.cached_lobes(scene) } else { Vec::new() };
-        if self.cache.rewrite(&lobes) {
-            return;
-        }
-        let resolution = self.settings.techniques.radiance_cache_resolution;
-        self.cache = RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES);
-        if let Some(mut lit) = self.lighting.take() {
-            lit.environment = self.environment_groups(&lit.lighting);
-            self.lighting = Some(lit);
-        }
     }
 }

@@ -1,6 +1,8 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapTechnique, ShadowSettings, in_range};
+use super::depth_map::DepthMapTechnique;
+use super::depth_maps::MapDepth;
+use super::{ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of hard shadow maps.
@@ -23,6 +25,7 @@ pub(super) static HARD: DepthMapTechnique = DepthMapTechnique {
     name: "hard",
     summary: "one z-buffer test from each light's centre",
     module: "shadow_hard",
+    depth: MapDepth::Projected,
     parameters,
 };
 

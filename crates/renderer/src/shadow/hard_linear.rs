@@ -1,6 +1,8 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapTechnique, ShadowSettings, in_range};
+use super::depth_map::DepthMapTechnique;
+use super::depth_maps::MapDepth;
+use super::{ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of hard shadow maps of linear depth.
@@ -22,6 +24,7 @@ pub(super) static HARD_LINEAR: DepthMapTechnique = DepthMapTechnique {
     name: "hard-linear",
     summary: "one subtraction of linear depths from each light's centre (Heidrich 2001)",
     module: "shadow_hard_linear",
+    depth: MapDepth::Linear,
     parameters,
 };
 

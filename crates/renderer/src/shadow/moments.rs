@@ -1,9 +1,11 @@
 use gnomon_shaders::layout;
 
+use super::depth_map::{MapFilter, MapShadows};
+use super::depth_maps::{DepthMaps, MapDepth};
 use super::downsample::{Downsample, trilinear_sampler};
-use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
+use super::technique::{ShadowContext, ShadowMemory, ShadowResources, ShadowTechnique};
+use super::{ShadowSettings, in_range};
 use crate::bindings::{Binding, D2_ARRAY, array_view, level_view};
-use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -57,26 +59,29 @@ impl ShadowTechnique for Moments {
         "shadow_moments"
     }
 
-    fn needs_depth_maps(&self) -> bool {
-        true
+    fn depth_maps(&self) -> Option<MapDepth> {
+        Some(MapDepth::Linear)
     }
 
-    fn bytes_per_light(&self, _: &ShadowSettings, resolution: u32) -> u64 {
+    fn memory(&self, _: &ShadowSettings, resolution: u32) -> ShadowMemory {
         // A full mip chain holds 4/3 of its top level; 16 bytes a texel.
-        16 * u64::from(resolution).pow(2) * 4 / 3
+        let images = 16 * u64::from(resolution).pow(2) * 4 / 3;
+        ShadowMemory { per_light: DepthMaps::bytes_per_light(resolution) + images, per_pair: 0 }
     }
 
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        Ok(Box::new(Resources::new(gpu, &settings.moments, maps)?))
+    fn layers_per_light(&self, _: &ShadowSettings) -> u32 {
+        1
+    }
+
+    fn resources(&self, context: &ShadowContext<'_>) -> Result<Box<dyn ShadowResources>, RenderError> {
+        MapShadows::boxed(context, MapDepth::Linear, |maps| {
+            Images::new(context.gpu, &context.settings.moments, maps)
+        })
     }
 }
 
-struct Resources {
+/// The maps' moments with mip levels.
+struct Images {
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
     moments: wgpu::ComputePipeline,
@@ -85,7 +90,7 @@ struct Resources {
     resolution: u32,
 }
 
-impl Resources {
+impl Images {
     fn new(gpu: &Gpu, settings: &MomentSettings, maps: &DepthMaps) -> Result<Self, RenderError> {
         let resolution = maps.resolution;
         let levels = resolution.ilog2() + 1;
@@ -156,7 +161,7 @@ impl Resources {
     }
 }
 
-impl ShadowResources for Resources {
+impl MapFilter for Images {
     fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }
@@ -166,9 +171,6 @@ impl ShadowResources for Resources {
     }
 
     fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
-        if light_count == 0 {
-            return;
-        }
         let tiles = self.resolution.div_ceil(layout::TILE);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.moments);

@@ -1,6 +1,8 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapTechnique, ShadowSettings, in_range};
+use super::depth_map::DepthMapTechnique;
+use super::depth_maps::MapDepth;
+use super::{ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of percentage-closer filtering.
@@ -29,6 +31,7 @@ pub(super) static PCF: DepthMapTechnique = DepthMapTechnique {
     name: "pcf",
     summary: "percentage-closer filtering with a fixed kernel (Reeves et al. 1987)",
     module: "shadow_pcf",
+    depth: MapDepth::Linear,
     parameters,
 };
 

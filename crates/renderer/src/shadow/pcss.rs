@@ -1,6 +1,8 @@
 use gnomon_shaders::layout;
 
-use super::{DepthMapTechnique, ShadowSettings, in_range};
+use super::depth_map::DepthMapTechnique;
+use super::depth_maps::MapDepth;
+use super::{ShadowSettings, in_range};
 use crate::RenderError;
 
 /// Parameters of percentage-closer soft shadows.
@@ -20,12 +22,7 @@ pub struct PcssSettings {
 
 impl Default for PcssSettings {
     fn default() -> Self {
-        Self {
-            search_samples: 16,
-            filter_samples: 32,
-            normal_offset_scale: 0.35,
-            depth_bias: 0.001,
-        }
+        Self { search_samples: 16, filter_samples: 32, normal_offset_scale: 0.35, depth_bias: 0.001 }
     }
 }
 
@@ -34,6 +31,7 @@ pub(super) static PCSS: DepthMapTechnique = DepthMapTechnique {
     name: "pcss",
     summary: "percentage-closer soft shadows: blocker search, then a kernel of the penumbra's width (Fernando 2005)",
     module: "shadow_pcss",
+    depth: MapDepth::Linear,
     parameters,
 };
 

@@ -5,10 +5,12 @@ mod tests;
 
 use gnomon_shaders::{layout, twin::series};
 
+use super::depth_map::{MapFilter, MapShadows};
+use super::depth_maps::{DepthMaps, MapDepth};
 use super::downsample::trilinear_sampler;
-use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
+use super::technique::{ShadowContext, ShadowMemory, ShadowResources, ShadowTechnique};
+use super::{ShadowSettings, in_range};
 use crate::bindings::{Binding, D2_ARRAY, array_view};
-use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -172,8 +174,8 @@ impl ShadowTechnique for Convolution {
         }
     }
 
-    fn needs_depth_maps(&self) -> bool {
-        true
+    fn depth_maps(&self) -> Option<MapDepth> {
+        Some(MapDepth::Linear)
     }
 
     /// In a kernel at the foot of a wall a ground stands in for contacts that a few terms cannot resolve: without it pictures are off by a
@@ -182,29 +184,28 @@ impl ShadowTechnique for Convolution {
         true
     }
 
-    fn bytes_per_light(&self, settings: &ShadowSettings, resolution: u32) -> u64 {
+    fn memory(&self, settings: &ShadowSettings, resolution: u32) -> ShadowMemory {
         let groups = settings.convolution.groups();
-        match settings.convolution.prefilter {
+        let images = match settings.convolution.prefilter {
             Prefilter::MipChain => mip::bytes_per_light(groups, resolution),
             Prefilter::SummedAreaTable => sat::bytes_per_light(groups, resolution),
-        }
+        };
+        ShadowMemory { per_light: DepthMaps::bytes_per_light(resolution) + images, per_pair: 0 }
     }
 
     fn layers_per_light(&self, settings: &ShadowSettings) -> u32 {
         settings.convolution.groups()
     }
 
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        Ok(Box::new(Resources::new(gpu, &settings.convolution, maps)?))
+    fn resources(&self, context: &ShadowContext<'_>) -> Result<Box<dyn ShadowResources>, RenderError> {
+        MapShadows::boxed(context, MapDepth::Linear, |maps| {
+            Filtered::new(context.gpu, &context.settings.convolution, maps)
+        })
     }
 }
 
-struct Resources {
+/// The maps' filtered images.
+struct Filtered {
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
     filter: Filter,
@@ -215,7 +216,7 @@ enum Filter {
     SummedAreaTable(sat::SummedAreaTables),
 }
 
-impl Resources {
+impl Filtered {
     fn new(gpu: &Gpu, settings: &ConvolutionSettings, maps: &DepthMaps) -> Result<Self, RenderError> {
         let parameters = settings.parameters(maps.resolution)?;
         let parameters = gpu.shared_buffer("convolution", &parameters, wgpu::BufferUsages::UNIFORM);
@@ -262,7 +263,7 @@ impl Resources {
     }
 }
 
-impl ShadowResources for Resources {
+impl MapFilter for Filtered {
     fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }
@@ -272,9 +273,6 @@ impl ShadowResources for Resources {
     }
 
     fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
-        if light_count == 0 {
-            return;
-        }
         match &self.filter {
             Filter::MipChain(chain) => chain.encode(recorder, light_count),
             Filter::SummedAreaTable(tables) => tables.encode(recorder, light_count),

@@ -36,7 +36,7 @@ fn depth_maps(gpu: &Gpu, depths: &[f32]) -> DepthMaps {
         },
         primitive: Default::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
-            format: crate::depth_maps::DEPTH_FORMAT,
+            format: crate::shadow::depth_maps::DEPTH_FORMAT,
             depth_write_enabled: Some(true),
             depth_compare: Some(wgpu::CompareFunction::Always),
             stencil: Default::default(),
@@ -54,7 +54,7 @@ fn depth_maps(gpu: &Gpu, depths: &[f32]) -> DepthMaps {
     });
     let buffer = gpu.buffer_with("depths", bytemuck::cast_slice(depths), wgpu::BufferUsages::STORAGE);
     let group = gpu.bind_group("depths", &layout, &[(0, buffer.as_entire_binding())]);
-    let maps = DepthMaps::new(gpu, 1, SIZE as u32);
+    let maps = DepthMaps::new(gpu, MapDepth::Linear, 1, SIZE as u32);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -90,7 +90,7 @@ fn evaluate(
     lookups: &[Lookup],
 ) -> Vec<[f32; 4]> {
     let maps = depth_maps(gpu, depths);
-    let resources = Resources::new(gpu, settings, &maps).unwrap();
+    let resources = Filtered::new(gpu, settings, &maps).unwrap();
     let mut recorder = Recorder::new(gpu, false);
     resources.encode(&mut recorder, 1);
     recorder.finish().unwrap();
