@@ -33,7 +33,7 @@ impl ShadowSizing {
 }
 
 /// What decides which lights share batches: those with the same needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct LightNeeds {
     /// Texels along the side of its map.
     pub resolution: u32,
@@ -42,7 +42,7 @@ pub(crate) struct LightNeeds {
 }
 
 /// Lights with the same needs.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Class {
     pub needs: LightNeeds,
     /// Lights whose shadows are held at a time.

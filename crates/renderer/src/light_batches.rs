@@ -1,12 +1,13 @@
 //! The frame's lights in batches, each with what its shadow technique keeps for it.
 
+use glam::Vec3;
 use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::batch_plan::{Budget, Class, LightNeeds, plan};
 use crate::geometry::Geometry;
 use crate::light_pass::{self, LightPass};
-use crate::light_uniforms::{FittedLights, LightFitting, frame_lights};
+use crate::light_uniforms::{FittedLights, LightFitting, frame_lights, sum_scales};
 use crate::lighting::Lighting;
 use crate::recorder::Recorder;
 use crate::shading_points::ShadingPoints;
@@ -24,8 +25,11 @@ pub(crate) struct LightBatches {
     /// Room on each list of shading points that was planned for; `None` where it makes no difference.
     points: Option<Vec<u64>>,
     fitting: LightFitting,
+    sum_scales: Vec3,
     /// Whether lights, scene or pose are others than those that batches are fitted to.
     is_stale: bool,
+    /// Whether they were fitted anew for the frame, or band of one, that comes next.
+    is_refitted: bool,
 }
 
 /// What batches of one class use in turn.
@@ -89,12 +93,11 @@ impl LightBatches {
         let room = |needs: LightNeeds| points.get(needs.points).copied().unwrap_or(0);
         let memory = |needs: LightNeeds| technique.memory(shadow_settings, needs.resolution);
         let bytes_per_light = |needs| memory(needs).per_light + memory(needs).per_pair * room(needs);
-        let limits = gpu.device.limits();
         let most_lights = |needs| {
             let layers = technique.layers_per_light(shadow_settings);
             let by_layers = gpu.max_layers().checked_div(layers).unwrap_or(u32::MAX);
             let bytes = memory(needs).per_pair * room(needs);
-            let by_bytes = limits.max_storage_buffer_binding_size.checked_div(bytes).unwrap_or(u64::MAX);
+            let by_bytes = gpu.largest_storage().checked_div(bytes).unwrap_or(u64::MAX);
             by_layers.min(layout::MAX_BATCH_LIGHTS).min(by_bytes.try_into().unwrap_or(u32::MAX))
         };
         let mut planned = plan(
@@ -108,7 +111,8 @@ impl LightBatches {
         )?;
         if planned.is_empty() {
             // Without lights there is still one pass, which clears the sums.
-            planned.push(Class::default());
+            let needs = LightNeeds { resolution: 1, points: 0 };
+            planned.push(Class { needs, capacity: 0, batches: vec![Vec::new()] });
         }
 
         let bytes =
@@ -133,8 +137,15 @@ impl LightBatches {
             bytes,
             points: by_pair.then(|| points.to_vec()),
             fitting: LightFitting::new(technique, settings),
+            sum_scales: Vec3::ONE,
             is_stale: true,
+            is_refitted: false,
         })
+    }
+
+    /// What sums of light are multiplied by to be kept in halves ([`layout::View::sum_scales`]).
+    pub fn sum_scales(&self) -> Vec3 {
+        self.sum_scales
     }
 
     /// Whether the plan holds for lists of points with so much room.
@@ -208,7 +219,8 @@ impl LightBatches {
         geometry: &Geometry,
         only: Option<usize>,
     ) {
-        if !std::mem::take(&mut self.is_stale) {
+        self.is_refitted = std::mem::take(&mut self.is_stale);
+        if !self.is_refitted {
             return;
         }
         let all = frame_lights([&lighting.lights, &lighting.probes], near_lights);
@@ -217,6 +229,7 @@ impl LightBatches {
             batch.fitted = self.fitting.fit(&all, &batch.members, resolution, geometry, only);
             gpu.write(&batch.lights, batch.fitted.uniforms.as_slice());
         }
+        self.sum_scales = sum_scales(self.batches.iter().flat_map(|batch| &batch.fitted.uniforms));
     }
 
     /// Makes what visibility needs, and sums light, batch after batch.
@@ -263,7 +276,7 @@ impl LightBatches {
                 casters: &batch.fitted.casters,
                 group: &batch.lights_group,
             },
-            same_lights: !scene.is_first_band && !takes_turns,
+            same_lights: !scene.is_first_band && !takes_turns && !self.is_refitted,
         })
     }
 }

@@ -1,5 +1,8 @@
 //! The frame's lights as shaders see them, each with what may block it.
 
+use std::f32::consts::PI;
+
+use glam::Vec3;
 use gnomon_lights::DistantLight;
 use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
@@ -115,4 +118,23 @@ impl LightFitting {
         uniform.caster_deviation_world = drawn.deviation_world;
         (uniform, drawn)
     }
+}
+
+/// What the sums of these lights are multiplied by to lie within the range of halves, 6e-8 to 65504, with all of their precision down to a
+/// thirty-millionth of the most that they can be: irradiance is no more than what all lights give a surface that faces them; a highlight, which
+/// follows their radiance, may be brighter than the light.
+pub(crate) fn sum_scales<'a>(lights: impl Iterator<Item = &'a layout::Light>) -> Vec3 {
+    const MOST: Vec3 = Vec3::new(32768.0, 2048.0, 16384.0);
+    let most = |light: &layout::Light| {
+        let radiance = light.radiance.max_element();
+        match (light.kind, light.role) {
+            (layout::KIND_DISTANT, layout::ROLE_LIGHT) => {
+                Vec3::new(radiance * light.solid_angle, radiance, 0.0)
+            }
+            (layout::KIND_DISTANT, _) => Vec3::ZERO,
+            _ => Vec3::new(0.0, 0.0, PI * radiance),
+        }
+    };
+    let most: Vec3 = lights.map(most).sum();
+    Vec3::select(most.cmpgt(Vec3::splat(1e-30)), MOST / most, Vec3::ONE)
 }

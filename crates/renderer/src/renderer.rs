@@ -49,6 +49,8 @@ pub struct Renderer {
     materials: Materials,
     bounds: Option<Bounds>,
     near_lights: Vec<PlacedLight>,
+    /// Whether any material is.
+    is_glossy: bool,
     world_from_environment: Quat,
     state: State,
     target: Option<Target>,
@@ -119,6 +121,7 @@ impl Renderer {
             passes,
             bounds: None,
             near_lights: Vec::new(),
+            is_glossy: false,
             world_from_environment: Quat::IDENTITY,
             target: None,
             debug: None,
@@ -139,7 +142,7 @@ impl Renderer {
         self.set_near_lights(scene)?;
         (self.geometry, self.materials) = (geometry, materials);
         self.bounds = self.geometry.bounds();
-        self.cache_lobes(scene);
+        self.take_lobes(scene);
         self.gpu.check()
     }
 

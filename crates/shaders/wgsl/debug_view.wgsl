@@ -10,7 +10,7 @@
 @group(GROUP_FRAME) @binding(3) var depth_maps: texture_depth_2d_array;
 @group(GROUP_FRAME) @binding(4) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
 
-@group(GROUP_PASS) @binding(4) var picture: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
 
 // Around what is shown, and where there is nothing to show.
 const EMPTY: vec3f = vec3f(0.01, 0.012, 0.016);

@@ -18,6 +18,8 @@ fn point_weight(point: ShadingPoint, sample: vec2u, position_world: vec3f, n: ve
     // Homogeneous w is the distance along the view, or 1 in a parallel one.
     let w = dot(vec4f(view.clip_from_world[0].w, view.clip_from_world[1].w, view.clip_from_world[2].w, view.clip_from_world[3].w),
         vec4f(position_world, 1.0));
-    let height = dot(n, point.position_world - position_world) / (side * view.sample_extent * w);
-    return resample_weight((place - sample_place(sample)) / side, height, dot(n, point.normal), normal_power);
+    let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
+    let normal = octahedral_decode(unpack2x16float(point.normal));
+    let height = dot(n, position - position_world) / (side * view.sample_extent * w);
+    return resample_weight((place - sample_place(sample)) / side, height, dot(n, normal), normal_power);
 }

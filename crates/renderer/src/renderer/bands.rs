@@ -39,8 +39,8 @@ impl Renderer {
         let TechniqueSettings { supersample: samples, shadow_sampling: sampling, .. } =
             self.settings().techniques;
         let fits = |rows: u32| {
-            let sums = shading_points::sum_bytes([width * samples, rows * samples], sampling);
-            sums <= self.gpu.device.limits().max_storage_buffer_binding_size
+            let size = [width * samples, rows * samples];
+            shading_points::largest_buffer(size, sampling) <= self.gpu.largest_storage()
         };
         // Samples look at the tiles around their own. So many pixels hold a whole number of tiles.
         let overlap = (2 * sampling).div_ceil(samples).next_multiple_of(sampling);

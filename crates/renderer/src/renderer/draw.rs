@@ -15,6 +15,7 @@ use crate::compose::RADIANCE_FORMAT;
 use crate::light_batches::LitScene;
 use crate::recorder::{PassTiming, Recorder};
 use crate::settings::{Chosen, in_range};
+use crate::shading_points::SumPlanes;
 
 impl Renderer {
     /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
@@ -116,7 +117,9 @@ impl Renderer {
         let is_first = band.kept.start == 0;
         self.gpu.check()?;
         let size = [width, rows.len() as u32];
-        if self.target.as_ref().is_none_or(|target| target.size != size) {
+        let planes = self.sum_planes();
+        let fits = |target: &Target| target.size == size && target.points.iter().all(|p| p.planes == planes);
+        if !self.target.as_ref().is_some_and(fits) {
             self.target = Some(self.new_target(size)?);
         }
         self.fit_lights()?;
@@ -128,7 +131,7 @@ impl Renderer {
         let sample_size = size.map(|side| side * samples);
         let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
         let matrices = matrices.cropped(height, rows);
-        self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
+        self.write_uniforms((lit, target), camera, &matrices, sample_size);
 
         let mut recorder = Recorder::new(&self.gpu, settings.measure.profile);
         if is_first {
@@ -181,12 +184,12 @@ impl Renderer {
 
     fn write_uniforms(
         &self,
-        lit: &Lit,
+        (lit, target): (&Lit, &Target),
         camera: &Camera,
         matrices: &CameraMatrices,
         [width, height]: [u32; 2],
-        interleave: u32,
     ) {
+        let (interleave, planes) = (target.gbuffer.interleave, target.points[0].planes);
         let Chosen { settings, unshadowed, .. } = &self.state.chosen;
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
@@ -196,10 +199,13 @@ impl Renderer {
             eye_world: matrices.eye_world,
             size: [width, height].into(),
             flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
-                | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS),
+                | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
+                | flag(planes.specular, layout::FLAG_SPECULAR_SUMS)
+                | flag(planes.near, layout::FLAG_NEAR_SUMS),
             shadow_sampling: settings.techniques.shadow_sampling,
             sample_extent: matrices.view_width / width as f32,
             interleave,
+            sum_scales: lit.batches.sum_scales(),
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,
@@ -207,6 +213,11 @@ impl Renderer {
         self.gpu.write(&self.view, &view);
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
         self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+    }
+
+    /// The sums of light that scene and lights ask for.
+    fn sum_planes(&self) -> SumPlanes {
+        SumPlanes { specular: self.is_glossy, near: !self.near_lights.is_empty() }
     }
 
     /// Plans batches anew where the target's points ask for it, and fits lights around the scene where anything moved.
@@ -237,7 +248,13 @@ impl Renderer {
         Ok(Target {
             size,
             gbuffer: self.passes.gbuffer.target(gpu, sample_size, techniques.supersample),
-            points: [self.passes.points.points(gpu, sample_size, techniques.shadow_sampling, &samples)?],
+            points: [self.passes.points.points(
+                gpu,
+                sample_size,
+                techniques.shadow_sampling,
+                self.sum_planes(),
+                &samples,
+            )?],
             output: self.passes.resolve.output(gpu, &samples, size),
         })
     }

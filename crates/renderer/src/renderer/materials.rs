@@ -19,7 +19,7 @@ impl Renderer {
         if !self.materials.rewrite(&self.gpu, scene) {
             self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         }
-        self.cache_lobes(scene);
+        self.take_lobes(scene);
         self.gpu.check()
     }
 }

@@ -140,8 +140,9 @@ impl Renderer {
         RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES)
     }
 
-    /// Makes the radiance cache one of the scene's lobes.
-    pub(super) fn cache_lobes(&mut self, scene: &Scene) {
+    /// Takes over whether the scene is glossy, and makes the radiance cache one of its lobes.
+    pub(super) fn take_lobes(&mut self, scene: &Scene) {
+        self.is_glossy = scene.materials.iter().any(|material| !material.surface.is_matte());
         let lobes = self.state.chosen.cached_lobes(scene);
         if self.state.cache.rewrite(&lobes) {
             return;
