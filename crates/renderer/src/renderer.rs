@@ -154,7 +154,8 @@ impl Renderer {
         let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
         let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.set_near_lights(scene)?;
-        (self.geometry, self.materials) = (geometry, materials);
+        self.geometry = geometry;
+        self.take_materials(materials);
         self.bounds = self.geometry.bounds();
         self.cache_lobes(scene);
         self.gpu.check()
@@ -334,7 +335,12 @@ impl Renderer {
             .create_view(&Default::default());
         Ok(Target {
             size,
-            gbuffer: self.passes.gbuffer.target(gpu, sample_size, self.settings.techniques.supersample),
+            gbuffer: self.passes.gbuffer.target(
+                gpu,
+                &self.materials,
+                sample_size,
+                self.settings.techniques.supersample,
+            ),
             points: self.passes.points.points(
                 gpu,
                 sample_size,

@@ -135,7 +135,7 @@ super::structs! {
     pub struct ShadingPoint {
         /// What is lit.
         pub position_world: Vec3,
-        /// Row times the picture's width plus column.
+        /// Row times the picture's width plus column. Samples of a further layer of surfaces would follow those of the first.
         pub sample: u32,
         /// Shading normal.
         pub normal: Vec3,
