@@ -140,7 +140,8 @@ impl Renderer {
         let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene, Some(&self.geometry))?;
         let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.set_near_lights(scene)?;
-        (self.geometry, self.materials) = (geometry, materials);
+        self.geometry = geometry;
+        self.take_materials(materials);
         self.bounds = self.geometry.bounds();
         self.take_lobes(scene);
         self.gpu.check()

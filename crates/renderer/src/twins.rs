@@ -11,6 +11,7 @@ use gnomon_testing::tolerances::SHADER_TWIN;
 use crate::bindings::Binding;
 use crate::{Gpu, GpuOptions};
 
+mod gbuffer_packing;
 mod reflectance;
 
 const COUNT: usize = 4096;

@@ -3,10 +3,8 @@
 
 // Exponent of n . n' for a sample that shows a surface.
 fn normal_power_at(sample: vec2u) -> f32 {
-    let texel = gbuffer_texel(sample);
-    let metallic = textureLoad(gbuffer_base_color_metallic, texel, 0).a;
-    let tint = vec4f(max(metallic, textureLoad(gbuffer_f0_f90, texel, 0).a));
-    let lobe = Lobe(model_from_code(metallic), textureLoad(gbuffer_emissive_roughness, texel, 0).a, tint);
+    let packed = packed_surface_at(sample);
+    let lobe = lobe_of(materials[packed.material], packed);
     let roughness = reflectance_equivalent_roughness(lobe);
     return resample_normal_power(select(1.0, alpha_from_roughness(roughness), has_lobe(lobe)));
 }

@@ -247,7 +247,7 @@ impl Renderer {
             .create_view(&Default::default());
         Ok(Target {
             size,
-            gbuffer: self.passes.gbuffer.target(gpu, sample_size, techniques.supersample),
+            gbuffer: self.passes.gbuffer.target(gpu, &self.materials, sample_size, techniques.supersample),
             points: [self.passes.points.points(
                 gpu,
                 sample_size,

@@ -17,9 +17,18 @@ impl Renderer {
             return self.set_scene(scene);
         }
         if !self.materials.rewrite(&self.gpu, scene) {
-            self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+            let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+            self.take_materials(materials);
         }
         self.take_lobes(scene);
         self.gpu.check()
+    }
+
+    /// Takes materials over that lie elsewhere on the GPU.
+    pub(super) fn take_materials(&mut self, materials: Materials) {
+        if let Some(target) = &mut self.target {
+            self.passes.gbuffer.take_materials(&self.gpu, &mut target.gbuffer, &materials);
+        }
+        self.materials = materials;
     }
 }
