@@ -88,9 +88,6 @@ struct Target {
     output: Output,
 }
 
-/// Samples of a lobe for every texel of the radiance cache.
-const CACHE_SAMPLES: u32 = 128;
-
 impl Renderer {
     /// A renderer of an empty scene without light.
     ///

@@ -2,7 +2,7 @@
 
 use gnomon_scene::Scene;
 
-use super::{CACHE_SAMPLES, Renderer};
+use super::Renderer;
 use crate::RenderError;
 use crate::materials::Materials;
 use crate::radiance_cache::RadianceCache;
@@ -31,8 +31,9 @@ impl Renderer {
         if self.cache.rewrite(&lobes) {
             return;
         }
-        let resolution = self.settings.techniques.radiance_cache_resolution;
-        self.cache = RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES);
+        let settings = &self.settings.techniques;
+        let (resolution, samples) = (settings.radiance_cache_resolution, settings.radiance_cache_samples);
+        self.cache = RadianceCache::new(&self.gpu, lobes, resolution, samples);
         if let Some(mut lit) = self.lighting.take() {
             lit.environment = self.environment_groups(&lit.lighting);
             self.lighting = Some(lit);

@@ -12,10 +12,11 @@ mod none;
 mod pcf;
 mod pcss;
 
+use gnomon_options::{Choice, settings};
+
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
-use crate::settings::in_range;
 use crate::{Gpu, RenderError};
 
 pub use convolution::{ConvolutionSettings, Footprint, Prefilter};
@@ -25,21 +26,22 @@ pub use moments::MomentSettings;
 pub use pcf::PcfSettings;
 pub use pcss::PcssSettings;
 
-/// Parameters of all techniques.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ShadowSettings {
-    /// Convolution soft shadows.
-    pub convolution: ConvolutionSettings,
-    /// Hard shadow maps.
-    pub hard: HardSettings,
-    /// Hard shadow maps of linear depth.
-    pub hard_linear: HardLinearSettings,
-    /// Percentage-closer filtering.
-    pub pcf: PcfSettings,
-    /// Percentage-closer soft shadows.
-    pub pcss: PcssSettings,
-    /// Moment soft shadow maps.
-    pub moments: MomentSettings,
+settings! {
+    /// Parameters of all techniques.
+    pub struct ShadowSettings with {
+        /// Convolution soft shadows.
+        convolution: ConvolutionSettings;
+        /// Hard shadow maps.
+        hard: HardSettings;
+        /// Hard shadow maps of linear depth.
+        hard_linear: HardLinearSettings;
+        /// Percentage-closer filtering.
+        pcf: PcfSettings;
+        /// Percentage-closer soft shadows.
+        pcss: PcssSettings;
+        /// Moment soft shadow maps.
+        moments: MomentSettings;
+    }
 }
 
 /// A way to tell how much of a light a point sees.
@@ -89,7 +91,7 @@ struct DepthMapTechnique {
     summary: &'static str,
     module: &'static str,
     /// Bytes of the module's uniform for maps of a resolution.
-    parameters: fn(&ShadowSettings, u32) -> Result<Vec<u8>, RenderError>,
+    parameters: fn(&ShadowSettings, u32) -> Vec<u8>,
 }
 
 impl ShadowTechnique for DepthMapTechnique {
@@ -115,7 +117,7 @@ impl ShadowTechnique for DepthMapTechnique {
         settings: &ShadowSettings,
         maps: &DepthMaps,
     ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        let parameters = (self.parameters)(settings, maps.resolution)?;
+        let parameters = (self.parameters)(settings, maps.resolution);
         Ok(Box::new(DepthMapsOnly::with_parameters(gpu, self.name, &parameters, maps)))
     }
 }
@@ -186,6 +188,11 @@ const TECHNIQUES: &[&dyn ShadowTechnique] = &[
 /// Name and one-line summary of every technique.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
     TECHNIQUES.iter().map(|technique| (technique.name(), technique.summary()))
+}
+
+/// The same as choices of an option.
+pub(crate) fn choices() -> Vec<Choice> {
+    names().map(|(name, summary)| Choice { name, summary }).collect()
 }
 
 /// The technique called `name`.
