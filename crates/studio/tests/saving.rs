@@ -9,6 +9,7 @@ use gnomon_brdf::{Model, Surface};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::Given;
 use gnomon_picture::tonemap::ToneMapping;
+use gnomon_renderer::shadow::Prefilter;
 use gnomon_scene::Ground;
 use gnomon_studio::{CameraLook, Look, PictureSettings, Project, Stage, StudioError, environment_named};
 
@@ -134,6 +135,34 @@ fn models_with_cameras_and_clips_come_back_as_they_were() {
     let saved = folder.path().join("posed.toml");
     stage.save_scene(&saved).unwrap();
     assert_same(&stage, &open(saved.to_str().unwrap(), None).unwrap(), "posed");
+}
+
+#[test]
+fn a_flat_table_of_techniques_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flat.toml");
+    let text = "[environment]\nbuiltin = \"room\"\n[[model]]\nbuiltin = \"column\"\n[fit]\nmethod = \"disks\"\n[render]\n\
+        shadows = \"convolution\"\norder = 8\nprefilter = \"sat\"\ncontact_samples = 0\nambient_cells = 12\ncaster_deviation = 1\n\
+        [display]\nsize = [64, 48]\ntone_mapping = \"linear\"\n";
+    std::fs::write(&path, text).unwrap();
+    let stage = open(path.to_str().unwrap(), None).unwrap();
+    let look = stage.look();
+    let mut expected = Look::default();
+    expected.fit.method = "disks".to_owned();
+    expected.lighting.ambient_cells = 12;
+    expected.techniques.shadows = "convolution".to_owned();
+    expected.techniques.caster_deviation = 1.0;
+    let convolution = &mut expected.techniques.shadow_settings.convolution;
+    (convolution.order, convolution.prefilter) = (8, Prefilter::SummedAreaTable);
+    convolution.contact_samples = 0;
+    expected.picture.size = [64, 48];
+    expected.display.tone_mapping = ToneMapping::Linear;
+    // The environment's own.
+    expected.display.exposure = Some(0.0);
+    assert_eq!(
+        (&look.fit, &look.lighting, &look.techniques, &look.picture, &look.display),
+        (&expected.fit, &expected.lighting, &expected.techniques, &expected.picture, &expected.display)
+    );
 }
 
 #[test]
