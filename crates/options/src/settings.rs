@@ -103,7 +103,8 @@ macro_rules! settings {
         }
 
         impl $name {
-            $crate::settings!(@specs $group $( $field [$($help)+] $spec; )*);
+            const OPTIONS: &'static [$crate::OptionSpec] =
+                &[$( ($spec).of_field(stringify!($field), concat!($($help),+), &$group), )*];
         }
 
         impl $crate::Options for $name {
@@ -133,9 +134,5 @@ macro_rules! settings {
                 Ok(settings)
             }
         }
-    };
-    (@specs $group:ident $( $field:ident [$($help:literal)+] $spec:expr; )*) => {
-        const OPTIONS: &'static [$crate::OptionSpec] =
-            &[$( ($spec).of_field(stringify!($field), concat!($($help),+), &$group), )*];
     };
 }

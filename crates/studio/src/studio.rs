@@ -24,12 +24,12 @@ use take_over::{LoadedStage, SceneRequest};
 /// | change | work |
 /// |---|---|
 /// | camera | none |
-/// | exposure, tone mapping, background | settings of the next frame |
+/// | [`Look::display`]: exposure, tone mapping, background | settings of the next frame |
 /// | the environment's rotation | directions of the lights |
 /// | clip, time | a pose to the GPU |
 /// | reflectance | materials to the GPU |
-/// | techniques, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
-/// | light fit, ambient rest, another environment | a thread; then an upload |
+/// | [`Look::techniques`]: visibility, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
+/// | [`Look::fit`], [`Look::lighting`], another environment | a thread; then an upload |
 /// | another scene | a thread; then an upload |
 ///
 /// What a thread works out is taken over by [`Studio::poll`]; frames go on meanwhile with what there was.
