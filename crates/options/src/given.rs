@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::marker::PhantomData;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
@@ -87,31 +86,6 @@ struct Table<'a> {
     given: &'a mut Given,
 }
 
-impl Table<'_> {
-    fn spec(&self, key: &str) -> Option<&'static OptionSpec> {
-        let is_meant = |spec: &&&'static OptionSpec| {
-            (spec.group.table == self.table && spec.key == key)
-                || (self.table.is_empty() && spec.alias.is_some_and(|alias| alias.replace('-', "_") == key))
-        };
-        self.specs.iter().find(is_meant).copied()
-    }
-
-    fn has_table(&self, key: &str) -> bool {
-        self.table.is_empty() && self.specs.iter().any(|spec| spec.group.table == key)
-    }
-
-    fn unknown<E: Error>(&self, key: &str) -> E {
-        let keys = self.specs.iter().filter(|spec| spec.group.table == self.table).map(|spec| spec.key);
-        let mut tables: Vec<&str> = match self.table {
-            "" => self.specs.iter().map(|spec| spec.group.table).filter(|table| !table.is_empty()).collect(),
-            _ => Vec::new(),
-        };
-        tables.dedup();
-        let known: Vec<String> = keys.chain(tables).map(|key| format!("`{key}`")).collect();
-        E::custom(format!("unknown field `{key}`, expected one of {}", known.join(", ")))
-    }
-}
-
 impl<'de> DeserializeSeed<'de> for Table<'_> {
     type Value = ();
 
@@ -128,33 +102,84 @@ impl<'de> Visitor<'de> for Table<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        while let Some(key) = map.next_key::<String>()? {
-            if let Some(spec) = self.spec(&key) {
-                let value = map.next_value_seed(Value(spec, PhantomData))?;
-                if self.given.0.insert(spec.name(), value).is_some() {
-                    return Err(Error::custom(format!("`{key}` is given twice")));
-                }
-            } else if self.has_table(&key) {
-                map.next_value_seed(Table { specs: self.specs, table: &key, given: &mut *self.given })?;
-            } else {
-                return Err(self.unknown(&key));
-            }
-        }
-        let given = |spec: &&&'static OptionSpec| self.given.0.contains_key(&spec.name());
-        for spec in self.specs.iter().filter(given) {
-            let other = spec.excludes.and_then(|key| self.specs.iter().find(|other| other.key == key));
-            if let Some(other) = other.filter(|other| self.given.has(&other.name())) {
-                return Err(Error::custom(format!("`{}` and `{}` exclude each other", spec.key, other.key)));
+        let Self { specs, table, given } = self;
+        while let Some(entry) = map.next_key_seed(Key { specs, table, given })? {
+            match entry {
+                Entry::Option(spec) => drop(given.0.insert(spec.name(), map.next_value_seed(Value(spec))?)),
+                Entry::Table(table) => map.next_value_seed(Table { specs, table, given: &mut *given })?,
             }
         }
         Ok(())
     }
 }
 
-/// Reads the value of one option, so that a mistake is told with its line.
-struct Value<'a>(&'static OptionSpec, PhantomData<&'a ()>);
+/// What a key stands for.
+enum Entry {
+    Option(&'static OptionSpec),
+    Table(&'static str),
+}
 
-impl<'de> DeserializeSeed<'de> for Value<'_> {
+/// Reads a key, so that one that cannot be is told with its line.
+struct Key<'a> {
+    specs: &'a [&'static OptionSpec],
+    table: &'a str,
+    given: &'a Given,
+}
+
+impl<'de> DeserializeSeed<'de> for Key<'_> {
+    type Value = Entry;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Entry, D::Error> {
+        deserializer.deserialize_identifier(self)
+    }
+}
+
+impl Visitor<'_> for Key<'_> {
+    type Value = Entry;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of an option")
+    }
+
+    fn visit_str<E: Error>(self, key: &str) -> Result<Entry, E> {
+        let is_outer = self.table.is_empty();
+        let is_meant = |spec: &OptionSpec| {
+            spec.group.table == self.table && spec.key == key
+                || is_outer && spec.alias.is_some_and(|alias| alias.replace('-', "_") == key)
+        };
+        let mut specs = self.specs.iter().copied();
+        if let Some(spec) = specs.clone().find(|spec| is_meant(spec)) {
+            let other = spec.excludes.and_then(|key| specs.find(|other| other.key == key));
+            return match other.filter(|other| self.given.has(&other.name())) {
+                _ if self.given.has(&spec.name()) => Err(E::custom(format!("`{key}` is given twice"))),
+                Some(other) => Err(E::custom(format!("`{}` and `{key}` exclude each other", other.key))),
+                None => Ok(Entry::Option(spec)),
+            };
+        }
+        match specs.find(|spec| is_outer && !key.is_empty() && spec.group.table == key) {
+            Some(spec) => Ok(Entry::Table(spec.group.table)),
+            None => Err(self.unknown(key)),
+        }
+    }
+}
+
+impl Key<'_> {
+    fn unknown<E: Error>(&self, key: &str) -> E {
+        let own = self.specs.iter().filter(|spec| spec.group.table == self.table).map(|spec| spec.key);
+        let mut known: Vec<&str> = own.collect();
+        if self.table.is_empty() {
+            known.extend(self.specs.iter().map(|spec| spec.group.table).filter(|table| !table.is_empty()));
+            known.dedup();
+        }
+        let known: Vec<String> = known.iter().map(|key| format!("`{key}`")).collect();
+        E::custom(format!("unknown field `{key}`, expected one of {}", known.join(", ")))
+    }
+}
+
+/// Reads the value of one option, so that a mistake is told with its line.
+struct Value(&'static OptionSpec);
+
+impl<'de> DeserializeSeed<'de> for Value {
     type Value = OptionValue;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<OptionValue, D::Error> {

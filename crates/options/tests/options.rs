@@ -116,7 +116,7 @@ fn a_wrong_value_is_told_in_one_line_with_what_is_allowed() {
         ("open = true\nplates = \"many\"", 2, "`plates` cannot be `many`"),
         ("open = 1", 1, "`open` cannot be `1`: it takes true or false"),
         ("open = true\n[soup]\nleeks = 13", 3, "`leeks` cannot be `13`"),
-        ("guests = 3\nseats = 4", 1, "`guests` and `seats` exclude each other"),
+        ("guests = 3\nseats = 4", 2, "`guests` and `seats` exclude each other"),
         ("spoon = 3", 1, "unknown field `spoon`, expected one of `pot`, `plates`"),
         ("[soup]\nspoon = 3", 2, "unknown field `spoon`, expected one of `leeks`, `time`"),
         ("leeks = 3\n[soup]\nleeks = 3", 3, "`leeks` is given twice"),

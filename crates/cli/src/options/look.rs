@@ -135,7 +135,8 @@ mod tests {
     }
 
     fn command() -> Command {
-        All::augment_args(Command::new("all"))
+        // Lines of any length: words that are looked for are not broken.
+        All::augment_args(Command::new("all").term_width(0))
     }
 
     fn parsed(arguments: &[&str]) -> Result<Look, String> {
