@@ -1,6 +1,8 @@
 //! Lights in batches. Lights with the same needs share what a technique keeps, in turns where memory does not hold all of them,
 //! so that their number is bounded by the light list alone.
 
+use gnomon_options::choices;
+
 use crate::RenderError;
 
 /// Texels along the side of the smallest map.
@@ -10,14 +12,14 @@ const LEAST_RESOLUTION: u32 = 32;
 /// the larger texels.
 const FOOTPRINT_AT_FULL_RESOLUTION: f32 = 0.15;
 
-/// How large the lights' shadow maps are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ShadowSizing {
-    /// The wider the light, the coarser its map: [`crate::TechniqueSettings::shadow_resolution`] is the largest.
-    #[default]
-    Footprint,
-    /// All alike.
-    Uniform,
+choices! {
+    /// How large the lights' shadow maps are.
+    pub enum ShadowSizing {
+        /// The wider the light, the coarser its map.
+        Footprint = "footprint",
+        /// All alike.
+        Uniform = "uniform",
+    }
 }
 
 impl ShadowSizing {

@@ -77,9 +77,6 @@ struct Target {
     output: Output,
 }
 
-/// Samples of a lobe for every texel of the radiance cache.
-const CACHE_SAMPLES: u32 = 128;
-
 impl Renderer {
     /// A renderer of an empty scene without light.
     ///
@@ -175,7 +172,7 @@ impl Renderer {
     /// `level` says.
     ///
     /// # Errors
-    /// [`RenderError::OutOfRange`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
+    /// [`RenderError::Option`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
     pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
         let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
         let chosen = Chosen::new(self.settings().clone().with(|s| {

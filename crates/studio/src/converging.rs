@@ -185,13 +185,15 @@ fn mean(picture: &RgbImage) -> f64 {
 mod tests {
     use std::time::{Duration, Instant};
 
+    use gnomon_options::Given;
+
     use super::*;
     use crate::look::CameraLook;
     use crate::{Look, Project, environment_named};
 
     #[test]
     fn a_look_that_changes_all_the_time_keeps_one_thread_busy() {
-        let mut project = Project::open("terrain", Look::default(), None).unwrap();
+        let mut project = Project::open("terrain", Look::default(), &Given::default()).unwrap();
         project.set_environment(environment_named("room"));
         let mut stage = Stage::new(project).unwrap();
         let mut traced = None;

@@ -8,7 +8,7 @@
 //! use gnomon_studio::{Look, Project, Stage, Studio, environment_named};
 //!
 //! # fn main() -> Result<(), gnomon_studio::StudioError> {
-//! let mut project = Project::open("robot.glb", Look::default(), None)?;
+//! let mut project = Project::open("robot.glb", Look::default(), &Default::default())?;
 //! project.set_environment(environment_named("room"));
 //! let gpu = Gpu::new(&GpuOptions::default())?;
 //! let mut studio = Studio::new(&gpu, Stage::new(project)?)?;
@@ -33,10 +33,7 @@ mod studio;
 pub use converging::ReferencePicture;
 pub use environment::{environment_named, fit_lights, load_environment};
 pub use error::StudioError;
-pub use look::{
-    AnimationLook, CameraLook, DisplayLook, EnvironmentLook, FitLook, Look, PrefilterName, RenderLook,
-    SizingName,
-};
+pub use look::{AnimationLook, CameraLook, EnvironmentLook, Look, PictureSettings};
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
 pub use stage::Stage;

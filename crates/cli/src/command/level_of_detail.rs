@@ -50,8 +50,8 @@ pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result
     let (method, options) = (&look.fit.method, stage.fit_options()?);
     // A threshold of the scene file would decide the number of lights.
     let options = FitOptions { threshold: None, ..options };
-    let settings = look.settings(stage.exposure())?;
-    let ([width, height], camera) = (look.display.size, stage.camera()?);
+    let settings = look.settings(stage.exposure());
+    let ([width, height], camera) = (look.picture.size, stage.camera()?);
     if method == "none" {
         return Err(CliError::usage(
             "a frame rate is held by the number of lights: choose some with --lights",
@@ -106,8 +106,8 @@ impl Settled {
         let mut look = look.clone();
         look.fit.light_count = Some(self.level.lights as usize);
         look.fit.threshold = None;
-        look.render.shadow_resolution = self.level.shadow_resolution;
-        look.render.shadow_sampling = self.level.shadow_sampling;
+        look.techniques.shadow_resolution = self.level.shadow_resolution;
+        look.techniques.shadow_sampling = self.level.shadow_sampling;
         look
     }
 

@@ -51,7 +51,7 @@ impl Renderer {
     /// How the next frames are displayed.
     ///
     /// # Errors
-    /// [`RenderError::OutOfRange`] for an exposure that [`DisplaySettings`] does not allow.
+    /// [`RenderError::Option`] for an exposure that [`DisplaySettings`] does not allow.
     pub fn set_display(&mut self, display: DisplaySettings) -> Result<(), RenderError> {
         let settings = self.settings().clone().with(|s| s.display = display);
         settings.check()?;

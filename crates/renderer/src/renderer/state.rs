@@ -3,7 +3,7 @@
 use gnomon_scene::{PlacedLight, Scene};
 use gnomon_shaders::layout;
 
-use super::{CACHE_SAMPLES, Passes, Renderer};
+use super::{Passes, Renderer};
 use crate::compose::ComposePass;
 use crate::light_batches::{BatchContext, LightBatches};
 use crate::light_pass::LightPass;
@@ -137,7 +137,7 @@ impl Renderer {
 
     fn new_cache(&self, chosen: &Chosen, lobes: Vec<layout::CachedLobe>) -> RadianceCache {
         let resolution = chosen.settings.techniques.radiance_cache_resolution;
-        RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES)
+        RadianceCache::new(&self.gpu, lobes, resolution, chosen.settings.techniques.radiance_cache_samples)
     }
 
     /// Takes over whether the scene is glossy, and makes the radiance cache one of its lobes.

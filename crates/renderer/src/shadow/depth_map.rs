@@ -70,7 +70,7 @@ pub(super) struct DepthMapTechnique {
     pub module: &'static str,
     pub depth: MapDepth,
     /// Bytes of the module's uniform for maps of a resolution.
-    pub parameters: fn(&ShadowSettings, u32) -> Result<Vec<u8>, RenderError>,
+    pub parameters: fn(&ShadowSettings, u32) -> Vec<u8>,
 }
 
 impl ShadowTechnique for DepthMapTechnique {
@@ -99,7 +99,7 @@ impl ShadowTechnique for DepthMapTechnique {
     }
 
     fn resources(&self, context: &ShadowContext<'_>) -> Result<Box<dyn ShadowResources>, RenderError> {
-        let parameters = (self.parameters)(context.settings, context.size.resolution)?;
+        let parameters = (self.parameters)(context.settings, context.size.resolution);
         MapShadows::boxed(context, self.depth, |maps| {
             Ok(Unfiltered::new(context.gpu, self.name, &parameters, maps))
         })

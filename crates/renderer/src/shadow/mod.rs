@@ -17,10 +17,10 @@ mod pcss;
 pub(crate) mod technique;
 
 use buffered::Buffered;
+use gnomon_options::{Choice, choices, settings};
 use technique::ShadowTechnique;
 
 use crate::RenderError;
-use crate::settings::in_range;
 
 pub use convolution::{ConvolutionSettings, Footprint, Prefilter};
 pub use hard::HardSettings;
@@ -29,31 +29,32 @@ pub use moments::MomentSettings;
 pub use pcf::PcfSettings;
 pub use pcss::PcssSettings;
 
-/// Parameters of all techniques.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ShadowSettings {
-    /// Convolution soft shadows.
-    pub convolution: ConvolutionSettings,
-    /// Hard shadow maps.
-    pub hard: HardSettings,
-    /// Hard shadow maps of linear depth.
-    pub hard_linear: HardLinearSettings,
-    /// Percentage-closer filtering.
-    pub pcf: PcfSettings,
-    /// Percentage-closer soft shadows.
-    pub pcss: PcssSettings,
-    /// Moment soft shadow maps.
-    pub moments: MomentSettings,
+settings! {
+    /// Parameters of all techniques.
+    pub struct ShadowSettings with {
+        /// Convolution soft shadows.
+        convolution: ConvolutionSettings;
+        /// Hard shadow maps.
+        hard: HardSettings;
+        /// Hard shadow maps of linear depth.
+        hard_linear: HardLinearSettings;
+        /// Percentage-closer filtering.
+        pcf: PcfSettings;
+        /// Percentage-closer soft shadows.
+        pcss: PcssSettings;
+        /// Moment soft shadow maps.
+        moments: MomentSettings;
+    }
 }
 
-/// How the sum of light learns what every point sees. The picture is the same, up to the rounding of a buffer's entries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum VisibilityPath {
-    /// The technique's function is called for each pair of a light and a point.
-    #[default]
-    Inline,
-    /// A pass of its own writes it to a buffer, light by light, which the sum reads.
-    Buffered,
+choices! {
+    /// How the sum of light learns what every point sees. The picture is the same, up to the rounding of a buffer's entries.
+    pub enum VisibilityPath {
+        /// The technique's function is called for each pair of a light and a point.
+        Inline = "inline",
+        /// A pass of its own writes it to a buffer, light by light, which the sum reads.
+        Buffered = "buffered",
+    }
 }
 
 /// Every technique.
@@ -73,6 +74,11 @@ static BUFFERED: [Buffered; TECHNIQUES.len()] = Buffered::all(TECHNIQUES);
 /// Name and one-line summary of every technique.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
     TECHNIQUES.iter().map(|technique| (technique.name(), technique.summary()))
+}
+
+/// The same as choices of an option.
+pub(crate) fn choices() -> Vec<Choice> {
+    names().map(|(name, summary)| Choice { name, summary }).collect()
 }
 
 /// The technique called `name`.

@@ -14,8 +14,8 @@ impl Viewer {
         let look = studio.look();
         let drawn = LevelOfDetail {
             lights: studio.lights().lights.len() as u32,
-            shadow_resolution: look.render.shadow_resolution,
-            shadow_sampling: look.render.shadow_sampling,
+            shadow_resolution: look.techniques.shadow_resolution,
+            shadow_sampling: look.techniques.shadow_sampling,
         };
         let asked_for = LevelOfDetail {
             lights: look.fit.light_count.map_or(drawn.lights, |count| count as u32),
@@ -25,8 +25,8 @@ impl Viewer {
         if is_change(drawn, asked_for, next) {
             self.edit(|look| {
                 look.fit.light_count = Some(next.lights as usize);
-                look.render.shadow_resolution = next.shadow_resolution;
-                look.render.shadow_sampling = next.shadow_sampling;
+                look.techniques.shadow_resolution = next.shadow_resolution;
+                look.techniques.shadow_sampling = next.shadow_sampling;
             });
         }
     }

@@ -304,24 +304,3 @@ fn average_blocker_depth_is_that_of_the_kernel() {
     // A receiver among the blockers has others in front of it.
     assert!(worst(4, 0.2) > tolerances::BLOCKER_DEPTH_4);
 }
-
-#[test]
-fn settings_out_of_range_are_named() {
-    let wrong = |change: fn(&mut ConvolutionSettings)| {
-        let mut settings = ConvolutionSettings::default();
-        change(&mut settings);
-        settings.parameters(64).err().map(|error| error.to_string())
-    };
-    assert!(wrong(|_| {}).is_none());
-    assert!(wrong(|s| s.order = 0).unwrap().contains("1 to 16"));
-    assert!(wrong(|s| s.order = u32::MAX).is_some());
-    assert!(wrong(|s| s.plane_iterations = 5).unwrap().contains("0 to 4"));
-    assert!(wrong(|s| s.black_point = 0.5).unwrap().contains("black point"));
-    assert!(wrong(|s| s.white_point = 0.5).unwrap().contains("white point"));
-    assert!(wrong(|s| s.sharpening_a = f32::NAN).unwrap().contains("sharpening A"));
-    assert!(wrong(|s| s.sharpening_b = -1.0).is_some());
-    assert!(wrong(|s| s.depth_bias = f32::INFINITY).is_some());
-    assert!(wrong(|s| s.footprint_scale = -0.1).is_some());
-    assert!(wrong(|s| s.contact_samples = 65).unwrap().contains("0 to 64"));
-    assert!(wrong(|s| s.contact_reach = f32::NAN).unwrap().contains("reach"));
-}
