@@ -46,7 +46,7 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--camera", "eye=1,2"], "eye"),
         (
             &["render", "three-boxes", "--env", "room", "-o", "a.png", "--reflectance", "phnog"],
-            "are: lambert",
+            "are: metallic-roughness, lambert",
         ),
         (
             &["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--reflectance", "phong"],

@@ -8,6 +8,8 @@ use eframe::egui::{Align, Rect, Response, Ui};
 #[derive(Debug, Default)]
 pub struct Targets {
     places: HashMap<String, Rect>,
+    /// Those of the frame before.
+    before: HashMap<String, Rect>,
     /// What a script looks for.
     wanted: Option<String>,
 }
@@ -15,7 +17,7 @@ pub struct Targets {
 impl Targets {
     /// Forgets all places, before the panel is drawn anew.
     pub fn clear(&mut self) {
-        self.places.clear();
+        self.before = std::mem::take(&mut self.places);
     }
 
     /// Notes where a control is. What a script looks for is scrolled into view first.
@@ -35,8 +37,8 @@ impl Targets {
         self.wanted = name.map(str::to_owned);
     }
 
-    /// Where a control is on display.
+    /// Where a control is on display, once it rests: a panel that scrolls or grows would have another there by the time of a click.
     pub fn place(&self, name: &str) -> Option<Rect> {
-        self.places.get(name).copied()
+        self.places.get(name).copied().filter(|place| self.before.get(name) == Some(place))
     }
 }
