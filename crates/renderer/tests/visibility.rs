@@ -14,6 +14,8 @@ use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Pr
 
 /// A byte rounds visibility by at most 1/510, at random from light to light.
 const BUFFERED_RELATIVE_RMSE: f64 = 1e-3;
+/// Sums are rounded to halves once a batch, by at most 1/2048: with 1 MiB for shadows there are some twenty of them.
+const TURNS_RELATIVE_RMSE: f64 = 2e-3;
 
 fn add_disk(scene: &mut Scene, radius: f32, height: f32) {
     let down = Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y);
@@ -66,7 +68,8 @@ fn visibility_through_a_buffer_gives_the_same_picture() {
             let buffered = renderer.render(&camera, sizes[1][0], sizes[1][1]).unwrap().radiance;
             let error = compare(&buffered, &inline, None).unwrap().relative_rmse;
             println!("{name} {prefilter:?} {footprints:?} {memory} MiB: {error:.1e}");
-            assert!(error <= BUFFERED_RELATIVE_RMSE, "{name}: {error}");
+            let most = if memory == 1 { TURNS_RELATIVE_RMSE } else { BUFFERED_RELATIVE_RMSE };
+            assert!(error <= most, "{name}: {error}");
             let whole_shares = ["none", "hard", "hard-linear"].contains(&name);
             assert!(!whole_shares || memory == 1 || error == 0.0, "{name}: {error}");
         }
