@@ -19,7 +19,7 @@ use crate::lighting::PreparedLighting;
 use crate::lod::LevelOfDetail;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
-use crate::recorder::{PassTiming, Recorder};
+use crate::recorder::{Clock, FrameTimings, PassTiming, Recorder};
 use crate::resolve::{Output, ResolvePass};
 use crate::settings::{RenderSettings, in_range};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
@@ -33,9 +33,12 @@ mod display;
 mod lit;
 mod live;
 mod materials;
+mod timing;
 
 use bands::Band;
 use lit::Lit;
+use timing::FramesInFlight;
+pub use timing::TimedFrame;
 
 /// One finished picture.
 pub struct Frame {
@@ -65,6 +68,7 @@ pub struct Renderer {
     world_from_environment: Quat,
     target: Option<Target>,
     debug: Option<debug::Debug>,
+    in_flight: FramesInFlight,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
 }
@@ -98,7 +102,8 @@ impl Renderer {
     /// A setting names nothing or is out of range, or the device failed.
     pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
         settings.check()?;
-        let technique = shadow::by_name(&settings.techniques.shadows)?;
+        let scopes = gpu.catch_errors();
+        let technique = shadow::usable(gpu, &settings.techniques.shadows)?;
         let ambient = ambient::by_name(&settings.lighting.ambient)?;
         let compositing = composite::by_name(&settings.techniques.compositing)?;
         let unshadowed = unshadowed::by_name(&settings.techniques.unshadowed)?;
@@ -139,10 +144,11 @@ impl Renderer {
             world_from_environment: Quat::IDENTITY,
             target: None,
             debug: None,
+            in_flight: FramesInFlight::default(),
             view,
             view_group,
         };
-        gpu.check()?;
+        scopes.finish()?;
         Ok(renderer)
     }
 
@@ -151,13 +157,14 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold it; the scene before it then stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene)?;
         let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.set_near_lights(scene)?;
         (self.geometry, self.materials) = (geometry, materials);
         self.bounds = self.geometry.bounds();
         self.cache_lobes(scene);
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// Takes a new pose of the scene that was set last (node transforms, joints, morph weights) without an upload of its meshes.
@@ -169,11 +176,13 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn move_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         if !self.geometry.take_pose(&self.gpu, scene)? {
             return self.set_scene(scene);
         }
         self.bounds = self.geometry.bounds();
-        self.set_near_lights(scene)
+        self.set_near_lights(scene)?;
+        scopes.finish()
     }
 
     /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.
@@ -196,6 +205,7 @@ impl Renderer {
             s.techniques.shadow_sampling = shadow_sampling;
         });
         settings.check()?;
+        let scopes = self.gpu.catch_errors();
         let ambient = self.ambient.lights(set, self.settings.lighting.ambient_cells)?;
         let Some(lit) = &self.lighting else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
@@ -209,7 +219,7 @@ impl Renderer {
         if before.techniques.shadow_sampling != shadow_sampling {
             self.target = None;
         }
-        self.gpu.check()
+        scopes.finish()
     }
 
     fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
@@ -220,13 +230,15 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws the rows of a band of a picture of `width` x `height` pixels, top row first, without waiting for them.
-    fn submit_band(
+    /// Records the rows of a band of a picture of `width` x `height` pixels, top row first.
+    fn record_band(
         &mut self,
+        encoder: &mut wgpu::CommandEncoder,
         camera: &Camera,
         [width, height]: [u32; 2],
         band: &Band,
-    ) -> Result<Vec<PassTiming>, RenderError> {
+        clock: Clock,
+    ) -> Result<FrameTimings, RenderError> {
         let rows = band.drawn.clone();
         let is_first = band.kept.start == 0;
         let gpu = &self.gpu;
@@ -244,7 +256,7 @@ impl Renderer {
         let matrices = matrices.cropped(height, rows);
         let map_views = self.write_uniforms(lit, camera, &matrices, sample_size, target.gbuffer.interleave);
 
-        let mut recorder = Recorder::new(gpu, self.settings.measure.profile);
+        let mut recorder = Recorder::new(gpu, encoder, clock);
         if is_first {
             self.passes.transform.encode(&mut recorder, &self.geometry);
         }
@@ -289,7 +301,7 @@ impl Renderer {
         }
         self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
         recorder.end_pass("resolve")?;
-        recorder.finish()
+        Ok(recorder.finish())
     }
 
     fn write_uniforms(

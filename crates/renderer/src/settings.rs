@@ -103,7 +103,8 @@ impl Default for TechniqueSettings {
 /// What is measured along the way.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeasureSettings {
-    /// Submit every pass alone and time it: slower, for statistics.
+    /// Time every pass: by the GPU's own stamps or, where a driver has none or they are not true, by submitting every pass alone and
+    /// waiting for it, which is slow.
     pub profile: bool,
 }
 

@@ -7,9 +7,10 @@ use gnomon_picture::RgbImage;
 use gnomon_scene::Camera;
 
 use super::{Frame, Renderer};
-use crate::recorder::PassTiming;
+use crate::gpu::TextureReadBack;
+use crate::recorder::{Clock, FrameTimings, PassTiming, add_times, new_encoder};
 use crate::settings::TechniqueSettings;
-use crate::{RenderError, shading_points};
+use crate::{Gpu, RenderError, shading_points};
 
 /// Rows of a picture that are drawn at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,46 +60,61 @@ impl Renderer {
         most().map_or(vec![whole], |kept| cut(height, kept, overlap))
     }
 
-    /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
-    /// samples it is drawn in bands of rows; [`Renderer::display_view`] then shows the last one.
+    /// Draws one frame of `width` x `height` pixels and waits for it: [`Renderer::render_async`], waited for.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
+        let frame = self.render_async(camera, width, height);
+        self.gpu.wait_for(frame)
+    }
+
+    /// Draws one frame of `width` x `height` pixels and reads it back. When this returns everything is recorded and submitted, and the
+    /// renderer is free for the next frame; the future is ready once the GPU has drawn it and the device was polled after that
+    /// ([`wgpu::Device::poll`], [`wgpu::Queue::submit`]; browsers do so by themselves).
+    ///
+    /// Where the adapter allows no buffer for the light of all its samples the picture is drawn in bands of rows;
+    /// [`Renderer::display_view`] then shows the last one.
     ///
     /// # Errors
     /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
     /// [`RenderError::NotFinite`] where it drew what is no picture.
-    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
-        self.check_size([width, height])?;
-        self.render_bands(camera, [width, height], &self.bands([width, height]))
-    }
-
-    fn render_bands(
+    pub fn render_async(
         &mut self,
         camera: &Camera,
-        [width, height]: [u32; 2],
+        width: u32,
+        height: u32,
+    ) -> impl Future<Output = Result<Frame, RenderError>> + Send + use<> {
+        let size = [width, height];
+        let begun = self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size)));
+        async move { begun?.frame().await }
+    }
+
+    /// Submits every band with its read-back: each is copied before the next one is drawn in its place.
+    fn begin_bands(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
         bands: &[Band],
-    ) -> Result<Frame, RenderError> {
-        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+    ) -> Result<BandsInFlight, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new() };
         for band in bands {
-            add(&mut timings, self.submit_band(camera, [width, height], band)?);
-            self.gpu.wait()?;
+            let scopes = gpu.catch_errors();
+            self.judge_clocks(camera, size, band)?;
+            let mut encoder = new_encoder(&gpu);
+            let timings = self.record_band(&mut encoder, camera, size, band, self.clock())?;
             let Some(target) = &self.target else {
                 return Err(RenderError::Device("no frame was drawn".to_owned()));
             };
-            let texels: Vec<[f32; 4]> =
-                pod_collect_to_vec(&self.gpu.read_texture(&target.output.radiance, 16)?);
-            let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&self.gpu.read_texture(&target.output.display, 4)?);
-            let before = ((band.kept.start - band.drawn.start) * width) as usize;
-            let count = (band.kept.len() as u32 * width) as usize;
-            let kept = texels.iter().skip(before).take(count);
-            radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
-            display.extend(bytes.into_iter().skip(before).take(count));
+            let mut read = |texture, bytes| TextureReadBack::new(&gpu, &mut encoder, texture, bytes);
+            let (radiance, display) = (read(&target.output.radiance, 16), read(&target.output.display, 4));
+            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, timings });
+            gpu.queue.submit([encoder.finish()]);
+            scopes.finish()?;
         }
-        let pixels = radiance.iter().filter(|radiance| !radiance.is_finite()).count();
-        if pixels > 0 {
-            return Err(RenderError::NotFinite { pixels, adapter: self.gpu.adapter().name.clone() });
-        }
-        let radiance = RgbImage::from_texels(width, height, radiance)
-            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
-        Ok(Frame { radiance, display, timings })
+        Ok(in_flight)
     }
 
     /// Draws one frame without reading it back, in bands as [`Renderer::render`] does, and waits until the device is idle: what a
@@ -106,48 +122,116 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::render`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
-        self.check_size([width, height])?;
-        let mut timings = Vec::new();
-        for band in self.bands([width, height]) {
-            add(&mut timings, self.submit_band(camera, [width, height], &band)?);
+        let size = [width, height];
+        self.check_size(size)?;
+        let mut times = Vec::new();
+        for band in self.bands(size) {
+            let timings = self.submit_band(camera, size, &band, self.settings.measure.profile)?;
             self.gpu.wait()?;
+            add_times(&mut times, self.gpu.wait_for(timings.passes())?);
         }
-        Ok(timings)
+        Ok(times)
     }
 
-    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`].
+    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`]. Gives the frame's number, under
+    /// which [`Renderer::take_times`] tells its times later where they are asked for ([`crate::MeasureSettings::profile`]).
     ///
     /// # Errors
     /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
     /// may come only with a later call.
-    pub fn submit(
+    pub fn submit(&mut self, camera: &Camera, width: u32, height: u32) -> Result<u64, RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let is_timed = self.settings.measure.profile && self.in_flight.has_room();
+        let timings = self.submit_band(camera, size, &Band::whole(height), is_timed)?;
+        Ok(self.in_flight.add(is_timed.then_some(timings)))
+    }
+
+    /// Records one frame into an encoder of the embedding program, which submits it: for a program that draws everything in one
+    /// submission. What changes from frame to frame is uploaded through the device's queue at once, so that an encoder can hold one
+    /// frame of a renderer, and it is to be submitted before the renderer draws another. Passes are not timed.
+    ///
+    /// # Errors
+    /// As [`Renderer::submit`].
+    pub fn record(
         &mut self,
+        encoder: &mut wgpu::CommandEncoder,
         camera: &Camera,
         width: u32,
         height: u32,
-    ) -> Result<Vec<PassTiming>, RenderError> {
-        self.check_size([width, height])?;
-        self.submit_band(camera, [width, height], &Band::whole(height))
+    ) -> Result<(), RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let scopes = self.gpu.catch_errors();
+        self.record_band(encoder, camera, size, &Band::whole(height), Clock::Off)?;
+        scopes.finish()
+    }
+
+    fn submit_band(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        band: &Band,
+        is_timed: bool,
+    ) -> Result<FrameTimings, RenderError> {
+        let scopes = self.gpu.catch_errors();
+        self.judge_clocks(camera, size, band)?;
+        let clock = if is_timed { self.clock() } else { Clock::Off };
+        let mut encoder = new_encoder(&self.gpu);
+        let timings = self.record_band(&mut encoder, camera, size, band, clock)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        scopes.finish()?;
+        Ok(timings)
     }
 
     /// Waits until everything that was submitted is drawn.
     ///
     /// # Errors
     /// [`RenderError::Device`] where the device failed.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(&self) -> Result<(), RenderError> {
         self.gpu.wait()
     }
 }
 
-/// Adds a band's times to those of the bands before it.
-fn add(timings: &mut Vec<PassTiming>, of_band: Vec<PassTiming>) {
-    if timings.is_empty() {
-        *timings = of_band;
-        return;
-    }
-    for (sum, pass) in timings.iter_mut().zip(of_band) {
-        sum.milliseconds += pass.milliseconds;
+/// A picture that is being drawn and read back.
+struct BandsInFlight {
+    gpu: Gpu,
+    size: [u32; 2],
+    bands: Vec<BandInFlight>,
+}
+
+struct BandInFlight {
+    band: Band,
+    radiance: TextureReadBack,
+    display: TextureReadBack,
+    timings: FrameTimings,
+}
+
+impl BandsInFlight {
+    async fn frame(self) -> Result<Frame, RenderError> {
+        let Self { gpu, size: [width, height], bands } = self;
+        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+        for BandInFlight { band, radiance: texels, display: bytes, timings: of_band } in bands {
+            let texels: Vec<[f32; 4]> = pod_collect_to_vec(&texels.texels().await?);
+            let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&bytes.texels().await?);
+            let before = ((band.kept.start - band.drawn.start) * width) as usize;
+            let count = (band.kept.len() as u32 * width) as usize;
+            let kept = texels.iter().skip(before).take(count);
+            radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
+            display.extend(bytes.into_iter().skip(before).take(count));
+            add_times(&mut timings, of_band.passes().await?);
+        }
+        gpu.check()?;
+        let pixels = radiance.iter().filter(|radiance| !radiance.is_finite()).count();
+        if pixels > 0 {
+            return Err(RenderError::NotFinite { pixels, adapter: gpu.adapter().name.clone() });
+        }
+        let radiance = RgbImage::from_texels(width, height, radiance)
+            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
+        Ok(Frame { radiance, display, timings })
     }
 }
 
@@ -157,7 +241,7 @@ mod tests {
     use gnomon_scene::builtin;
 
     use super::*;
-    use crate::{Gpu, GpuOptions, RenderSettings};
+    use crate::{GpuOptions, RenderSettings};
 
     #[test]
     fn bands_keep_every_row_once_and_overlap() {
@@ -197,7 +281,8 @@ mod tests {
             let size = [64, 50];
             let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
             let mut differences = |overlap: u32| {
-                let banded = renderer.render_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
+                let bands = renderer.begin_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
+                let banded = gpu.wait_for(bands.frame()).unwrap();
                 assert_eq!(banded.display.len(), whole.display.len());
                 let pairs = whole.radiance.texels().iter().zip(banded.radiance.texels());
                 // Directions are rounded a little differently, which bright places of the environment show.

@@ -37,12 +37,13 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_lighting`]; the lighting before it then stays.
     pub fn set_prepared_lighting(&mut self, prepared: PreparedLighting) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         let (ambient, ambient_cells) = (prepared.ambient.name, prepared.ambient_cells);
         self.light_up(Lighting::new(&self.gpu, prepared)?)?;
         self.ambient = ambient::by_name(ambient)?;
         self.settings.lighting.ambient = ambient.to_owned();
         self.settings.lighting.ambient_cells = ambient_cells;
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// How the next frames are displayed.
@@ -73,6 +74,8 @@ impl Renderer {
         set: &LightSet,
     ) -> Result<(), RenderError> {
         settings.check()?;
+        let scopes = self.gpu.catch_errors();
+        shadow::usable(&self.gpu, &settings.techniques.shadows)?;
         let ambient = ambient::by_name(&settings.lighting.ambient)?;
         let same_rest = self.ambient == ambient
             && self.settings.lighting.ambient_cells == settings.lighting.ambient_cells;
@@ -89,7 +92,7 @@ impl Renderer {
             self.follow_settings(scene, before)?;
             return Err(error);
         }
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// Makes everything anew that depends on settings.

@@ -14,6 +14,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn set_materials(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         if !self.geometry.is_of(scene) {
             return self.set_scene(scene);
         }
@@ -21,7 +22,7 @@ impl Renderer {
             self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         }
         self.cache_lobes(scene);
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// Makes the radiance cache one of the scene's lobes.

@@ -50,6 +50,10 @@ pub(crate) trait ShadowTechnique: Sync {
     fn summary(&self) -> &'static str;
     /// WGSL module that fills the slot `shadow`.
     fn module(&self, _: &ShadowSettings) -> &'static str;
+    /// Features of the device that it needs beyond WebGPU's core.
+    fn needed_features(&self) -> wgpu::Features {
+        wgpu::Features::empty()
+    }
     /// Whether the lights' depth maps are drawn for it.
     fn needs_depth_maps(&self) -> bool;
     /// Whether grounds are drawn into the maps of lights of which they block nothing, too.
@@ -200,4 +204,14 @@ pub(crate) fn by_name(name: &str) -> Result<&'static dyn ShadowTechnique, Render
             choices: TECHNIQUES.iter().map(|technique| technique.name()).collect::<Vec<_>>().join(", "),
         }
     })
+}
+
+/// The same, where the device has what it needs.
+///
+/// # Errors
+/// As [`by_name`], and [`RenderError::NeedsFeature`].
+pub(crate) fn usable(gpu: &Gpu, name: &str) -> Result<&'static dyn ShadowTechnique, RenderError> {
+    let technique = by_name(name)?;
+    gpu.require(technique.name(), technique.needed_features())?;
+    Ok(technique)
 }
