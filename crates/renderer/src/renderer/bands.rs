@@ -8,7 +8,7 @@ use gnomon_scene::Camera;
 
 use super::{Frame, Renderer};
 use crate::gpu::TextureReadBack;
-use crate::recorder::{Clock, FrameTimings, PassTiming, add_times, new_encoder};
+use crate::recorder::{Clock, FrameTimings, add_times, new_encoder};
 use crate::settings::TechniqueSettings;
 use crate::{Gpu, RenderError, shading_points};
 
@@ -123,7 +123,12 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
+    pub fn draw(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<crate::PassTiming>, RenderError> {
         let size = [width, height];
         self.check_size(size)?;
         let mut times = Vec::new();
