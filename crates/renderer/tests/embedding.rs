@@ -178,6 +178,8 @@ fn a_programs_handlers_are_told_its_own_errors_and_its_loss_and_nothing_else() {
 
     device.destroy();
     assert!(matches!(renderer.draw(&camera(), SIZE, SIZE), Err(RenderError::DeviceLost { .. })));
+    // Its loss is told when the device is looked after next.
+    let _ = device.poll(wgpu::PollType::Poll);
     assert_eq!(told(), [1, 1]);
 }
 
