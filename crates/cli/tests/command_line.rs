@@ -71,7 +71,7 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--env-rotation", "nan"], "finite"),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--size", "99999x99999"], "too large"),
         (&["decompose", "room", "--light-count", "3", "--threshold", "0.1"], "--threshold"),
-        (&["decompose", "room", "--threshold", "2"], "threshold 2"),
+        (&["decompose", "room", "--threshold", "2"], "--threshold cannot be `2`"),
         (&["decompose", "room", "--method", "cubes"], "cubes"),
         (&["decompose", "room", "--projection", "mercator"], "equirect"),
         (&["compare", "a.png"], "required"),
@@ -83,6 +83,44 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         assert!(run.out.is_empty(), "{arguments:?} printed {}", run.out);
     }
     assert!(files(folder.path()).is_empty(), "a failed command left {:?}", files(folder.path()));
+}
+
+/// Of every kind of option: wrong on the command line, and in a scene file.
+#[test]
+fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "[environment]\nbuiltin = \"room\"\n[[model]]\nbuiltin = \"column\"\n";
+    for (option, text, (table, key), value, allowed) in [
+        ("lights", "lamps", ("fit", "method"), "\"lamps\"", "one of: disks, squares"),
+        ("light-count", "0", ("fit", "light_count"), "0", "a whole number from 1 to 4096, or automatic"),
+        ("threshold", "1", ("fit", "threshold"), "1", "a number above 0 and below 1, or automatic"),
+        ("shadows", "candles", ("render", "shadows"), "\"candles\"", "one of: convolution, pcss"),
+        (
+            "shadow-resolution",
+            "100",
+            ("render", "shadow_resolution"),
+            "100",
+            "a power of two from 16 to 8192",
+        ),
+        ("caster-deviation", "nan", ("render", "caster_deviation"), "nan", "a number from 0 to 16 texels"),
+        ("pcss-search-samples", "0", ("render.pcss", "search_samples"), "0", "a whole number from 1 to 1024"),
+        ("prefilter", "box", ("render", "prefilter"), "\"box\"", "one of: mip, sat"),
+        ("size", "8x", ("display", "size"), "[8, 0]", "WIDTHxHEIGHT in pixels, as in 640x480"),
+        ("background", "maybe", ("display", "background"), "\"maybe\"", "true or false"),
+    ] {
+        let argument = format!("--{option}");
+        let arguments = ["render", "three-boxes", "--env", "room", "-o", "a.png", &argument, text];
+        let run = gnomon(folder.path(), &arguments).failed(allowed);
+        let shown = if text == "nan" { "NaN" } else { text };
+        assert!(run.err.contains(&format!("cannot be `{shown}`")) && run.err.contains("--"), "{}", run.err);
+        std::fs::write(folder.path().join("a.toml"), format!("{scene}[{table}]\n{key} = {value}\n")).unwrap();
+        let run = gnomon(folder.path(), &["render", "a.toml", "-o", "a.png"]).failed(allowed);
+        assert!(run.err.contains("line 6: ") && run.err.contains(&format!("`{key}`")), "{}", run.err);
+    }
+    std::fs::write(folder.path().join("a.toml"), format!("{scene}[render.pcss]\nsamples = 3\n")).unwrap();
+    gnomon(folder.path(), &["render", "a.toml", "-o", "a.png"])
+        .failed("unknown field `samples`, expected one of `search_samples`");
+    assert_eq!(files(folder.path()), ["a.toml"]);
 }
 
 /// As in `gnomon info | head -1`: the reader goes away, and that is no failure.

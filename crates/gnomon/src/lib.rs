@@ -34,6 +34,7 @@ pub use gnomon_envmap as envmap;
 pub use gnomon_lights as lights;
 #[cfg(feature = "metrics")]
 pub use gnomon_metrics as metrics;
+pub use gnomon_options as options;
 pub use gnomon_picture as picture;
 #[cfg(feature = "reference")]
 pub use gnomon_reference as reference;

@@ -1,4 +1,5 @@
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 use gnomon_brdf::{Model, Surface};
@@ -230,6 +231,7 @@ fn make_glossy(scene: &mut Scene, shininess: f32) {
     let of_ground = scene.ground.and_then(|ground| scene.nodes.get(ground.0)).map(|node| node.meshes.clone());
     for (index, mesh) in scene.meshes.iter_mut().enumerate() {
         if !of_ground.as_ref().is_some_and(|meshes| meshes.contains(&MeshId(index))) {
+            let mesh = Arc::make_mut(mesh);
             mesh.material = material;
             mesh.smooth_normals();
         }

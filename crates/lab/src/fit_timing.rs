@@ -40,7 +40,7 @@ pub fn time_fits(map: &Equirect, repeats: usize) -> Result<Vec<FitTiming>, FitEr
             times.push(1000.0 * start.elapsed().as_secs_f64());
         }
         times.sort_by(f64::total_cmp);
-        Ok(FitTiming {
+        Ok::<_, FitError>(FitTiming {
             method: method.name,
             sampler: sampler.map(|sampler| sampler.name),
             lights,
@@ -90,7 +90,7 @@ pub fn sampler_errors(map: &Equirect, counts: &[usize]) -> Result<Vec<SamplerErr
             set.lights.iter().map(|light| (light.direction.as_dvec3(), luminance(light.flux()))).collect();
         let found = half_hidden_irradiance(&points);
         let square = truth.iter().zip(&found).map(|(truth, found)| (found - truth).powi(2)).sum::<f64>();
-        Ok(if mean > 0.0 { (square / RECEIVERS as f64).sqrt() / mean } else { 0.0 })
+        Ok::<_, FitError>(if mean > 0.0 { (square / RECEIVERS as f64).sqrt() / mean } else { 0.0 })
     };
     samplers()
         .iter()

@@ -198,7 +198,7 @@ mod tests {
         assert_eq!(found.source, "own tracer, 4 samples");
         assert!(kept.read([1, 2], 4).is_none(), "another size");
 
-        view.scene.meshes[0].positions[0].x += 1e-3;
+        std::sync::Arc::make_mut(&mut view.scene.meshes[0]).positions[0].x += 1e-3;
         assert!(Kept::new(&deep, "x", &view, &map).read([2, 1], 4).is_none());
         std::fs::write(&kept.picture, b"damaged").unwrap();
         assert!(kept.read([2, 1], 4).is_none());

@@ -1,36 +1,21 @@
 //! From radiance to a display: exposure, tone mapping, sRGB. The shader functions of the same names do the same arithmetic.
 
 use glam::Vec3;
+use gnomon_options::choices;
 
 use crate::RgbImage;
 
-/// How radiance is brought into the range of a display, after exposure and before sRGB encoding.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ToneMapping {
-    /// Clip each channel to 0..1.
-    Linear,
-    /// Khronos PBR Neutral: true colours below 0.76, highlights compressed and desaturated.
-    #[default]
-    Neutral,
+choices! {
+    /// How radiance is brought into the range of a display, after exposure and before sRGB encoding.
+    pub enum ToneMapping {
+        /// Khronos PBR Neutral: true colours below 0.76, highlights compressed and desaturated.
+        Neutral = "neutral",
+        /// Clip each channel to 0..1.
+        Linear = "linear",
+    }
 }
 
 impl ToneMapping {
-    /// Every rule, in the order in which help texts list them.
-    pub const ALL: [Self; 2] = [Self::Linear, Self::Neutral];
-
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Neutral => "neutral",
-        }
-    }
-
-    /// The rule that goes by `name`.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|rule| rule.name() == name)
-    }
-
     /// Display-linear colour in 0..1 of exposed radiance. NaN becomes 0.
     pub fn apply(self, color: Vec3) -> Vec3 {
         let color =
@@ -120,7 +105,7 @@ mod tests {
     #[test]
     fn names_round_trip() {
         for rule in ToneMapping::ALL {
-            assert_eq!(ToneMapping::from_name(rule.name()), Some(rule));
+            assert_eq!(ToneMapping::from_name(rule.name()), Some(*rule));
         }
         assert_eq!(ToneMapping::from_name("filmic"), None);
     }

@@ -3,8 +3,8 @@
 
 mod support;
 
-use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 
 use glam::{Affine3A, Mat4, Vec3, Vec4};
 use gnomon_brdf::Surface;
@@ -93,11 +93,11 @@ fn both_sides_are_alike() {
     let ball = scene(vec![(sphere(16, 32), lambert(0.5))]);
     let expected = render(&ball, &camera, &map, &options(16)).unwrap();
     let mut turned = ball.clone();
-    for triangle in &mut turned.meshes[0].triangles {
+    for triangle in &mut Arc::make_mut(&mut turned.meshes[0]).triangles {
         triangle.swap(0, 1);
     }
     let mut inside_out = ball.clone();
-    for normal in &mut inside_out.meshes[0].normals {
+    for normal in &mut Arc::make_mut(&mut inside_out.meshes[0]).normals {
         *normal = -*normal;
     }
     for changed in [turned, inside_out] {
@@ -124,18 +124,18 @@ fn holes_let_camera_and_shadow_rays_pass() {
     let expected = render(&plain, &camera, &map, &options(16)).unwrap();
     // A sheet over everything, all of it hole.
     let mut sheet = scene(vec![(floor(50.0, 1.2), lambert(0.5))]);
-    sheet.meshes[0].colors = vec![Vec4::new(1.0, 1.0, 1.0, 0.2); 4];
+    Arc::make_mut(&mut sheet.meshes[0]).colors = vec![Vec4::new(1.0, 1.0, 1.0, 0.2); 4];
     let mut material = sheet.materials.remove(0);
     material.alpha = 1.0;
     material.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
     let mut mesh = sheet.meshes.remove(0);
-    mesh.material = Some(gnomon_scene::MaterialId(plain.materials.len()));
+    Arc::make_mut(&mut mesh).material = Some(gnomon_scene::MaterialId(plain.materials.len()));
     plain.materials.push(material);
     plain.nodes.push(support::node(gnomon_scene::MeshId(plain.meshes.len()), Affine3A::IDENTITY));
     plain.meshes.push(mesh);
     assert_eq!(render(&plain, &camera, &map, &options(16)).unwrap(), expected);
     // Without the holes it is another picture.
-    plain.meshes[2].colors.clear();
+    Arc::make_mut(&mut plain.meshes[2]).colors.clear();
     assert_ne!(render(&plain, &camera, &map, &options(16)).unwrap(), expected);
 }
 

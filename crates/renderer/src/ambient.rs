@@ -2,6 +2,7 @@
 
 use gnomon_envmap::Equirect;
 use gnomon_lights::{DistantLight, FitOptions, LightSet, fit};
+use gnomon_options::Choice;
 use gnomon_picture::RgbImage;
 
 use crate::RenderError;
@@ -37,6 +38,11 @@ pub const AMBIENTS: &[Ambient] = &[
     },
     Ambient { name: "unshadowed", summary: "the rest as it is (Arbree 2005)", method: Method::Unshadowed },
 ];
+
+/// The same as choices of an option.
+pub(crate) fn choices() -> Vec<Choice> {
+    AMBIENTS.iter().map(|ambient| Choice { name: ambient.name, summary: ambient.summary }).collect()
+}
 
 /// The way called `name`.
 ///

@@ -1,5 +1,7 @@
-//! Lights in batches. Lights whose maps have one size share a set of textures, in turns where memory does not hold all of them,
+//! Lights in batches. Lights with the same needs share what a technique keeps, in turns where memory does not hold all of them,
 //! so that their number is bounded by the light list alone.
+
+use gnomon_options::choices;
 
 use crate::RenderError;
 
@@ -10,14 +12,14 @@ const LEAST_RESOLUTION: u32 = 32;
 /// the larger texels.
 const FOOTPRINT_AT_FULL_RESOLUTION: f32 = 0.15;
 
-/// How large the lights' shadow maps are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ShadowSizing {
-    /// The wider the light, the coarser its map: [`crate::TechniqueSettings::shadow_resolution`] is the largest.
-    #[default]
-    Footprint,
-    /// All alike.
-    Uniform,
+choices! {
+    /// How large the lights' shadow maps are.
+    pub enum ShadowSizing {
+        /// The wider the light, the coarser its map.
+        Footprint = "footprint",
+        /// All alike.
+        Uniform = "uniform",
+    }
 }
 
 impl ShadowSizing {
@@ -32,65 +34,74 @@ impl ShadowSizing {
     }
 }
 
-/// Lights whose maps have one size.
+/// What decides which lights share batches: those with the same needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct LightNeeds {
+    /// Texels along the side of its map.
+    pub resolution: u32,
+    /// The list of shading points that it is summed at, by its place among those of the frame.
+    pub points: usize,
+}
+
+/// Lights with the same needs.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Class {
-    pub resolution: u32,
-    /// Lights whose maps are held at a time.
+    pub needs: LightNeeds,
+    /// Lights whose shadows are held at a time.
     pub capacity: u32,
     /// Indices of the lights, batch by batch: each at most `capacity`.
     pub batches: Vec<Vec<usize>>,
 }
 
-/// What the maps of one light cost, and what there is.
+/// What the shadows of one light cost, and what there is.
 pub(crate) struct Budget<'a> {
-    /// Bytes of one light's maps at a resolution.
-    pub bytes_per_light: &'a dyn Fn(u32) -> u64,
-    /// Bytes for all maps held at a time.
+    /// Bytes of one light with such needs.
+    pub bytes_per_light: &'a dyn Fn(LightNeeds) -> u64,
+    /// Bytes for all that is held at a time.
     pub bytes: u64,
-    /// Most lights in one set of textures.
-    pub lights_per_class: u32,
+    /// Most lights that the adapter's textures and bindings hold at a time.
+    pub most_lights: &'a dyn Fn(LightNeeds) -> u32,
     /// For messages.
     pub adapter: &'a str,
 }
 
-/// Divides lights with maps of `resolutions` into batches within `budget`. Batches of a class are of even length.
+/// Divides lights with such `needs` into batches within `budget`. Batches of a class are of even length.
 ///
 /// # Errors
-/// [`RenderError::OverBudget`] if one light of every class is more than the budget.
-pub(crate) fn plan(resolutions: &[u32], budget: &Budget<'_>) -> Result<Vec<Class>, RenderError> {
-    let mut sizes = resolutions.to_vec();
-    sizes.sort_unstable();
-    sizes.dedup();
+/// [`RenderError::OverBudget`] if one light of every class is more than the budget, [`RenderError::OverLimit`] if it is more than the adapter
+/// holds.
+pub(crate) fn plan(needs: &[LightNeeds], budget: &Budget<'_>) -> Result<Vec<Class>, RenderError> {
+    let mut kinds = needs.to_vec();
+    kinds.sort_unstable();
+    kinds.dedup();
     let members =
-        |size: u32| resolutions.iter().enumerate().filter(move |(_, r)| **r == size).map(|(i, _)| i);
-    let bytes = |size: u32| (budget.bytes_per_light)(size);
-    let over = |what, wanted, limit| RenderError::OverLimit {
-        what,
-        wanted,
-        limit,
-        adapter: budget.adapter.to_owned(),
-    };
-    let least: u64 = sizes.iter().map(|&size| bytes(size)).sum();
+        |kind: LightNeeds| needs.iter().enumerate().filter(move |(_, n)| **n == kind).map(|(i, _)| i);
+    let bytes = |kind: LightNeeds| (budget.bytes_per_light)(kind);
+    let least: u64 = kinds.iter().map(|&kind| bytes(kind)).sum();
     if least > budget.bytes {
         return Err(RenderError::OverBudget { wanted: least, budget: budget.bytes });
     }
-    if budget.lights_per_class == 0 {
-        return Err(over("layers of one light's shadow maps", 1, 0));
+    if kinds.iter().any(|&kind| (budget.most_lights)(kind) == 0) {
+        return Err(RenderError::OverLimit {
+            what: "texture layers or bytes of one light's shadows",
+            wanted: 1,
+            limit: 0,
+            adapter: budget.adapter.to_owned(),
+        });
     }
     // Beyond one light a class, classes share what is left in proportion to what they want.
-    let wanted: u64 = sizes.iter().map(|&size| bytes(size) * (members(size).count() as u64 - 1)).sum();
+    let wanted: u64 = kinds.iter().map(|&kind| bytes(kind) * (members(kind).count() as u64 - 1)).sum();
     let share = if wanted == 0 { 1.0 } else { ((budget.bytes - least) as f64 / wanted as f64).min(1.0) };
-    Ok(sizes
+    Ok(kinds
         .into_iter()
-        .map(|resolution| {
-            let lights: Vec<usize> = members(resolution).collect();
+        .map(|needs| {
+            let lights: Vec<usize> = members(needs).collect();
             let held = 1 + ((lights.len() - 1) as f64 * share + 1e-9) as usize;
-            let held = held.min(budget.lights_per_class as usize);
+            let held = held.min((budget.most_lights)(needs) as usize);
             let turns = lights.len().div_ceil(held);
             let capacity = lights.len().div_ceil(turns);
             let batches = lights.chunks(capacity).map(<[usize]>::to_vec).collect();
-            Class { resolution, capacity: capacity as u32, batches }
+            Class { needs, capacity: capacity as u32, batches }
         })
         .collect())
 }
@@ -100,11 +111,13 @@ mod tests {
     use super::*;
 
     fn planned(resolutions: &[u32], bytes: u64, lights_per_class: u32) -> Result<Vec<Class>, RenderError> {
-        let bytes_per_light = |size: u32| u64::from(size);
-        plan(
-            resolutions,
-            &Budget { bytes_per_light: &bytes_per_light, bytes, lights_per_class, adapter: "test" },
-        )
+        let needs: Vec<_> =
+            resolutions.iter().map(|&resolution| LightNeeds { resolution, points: 0 }).collect();
+        let bytes_per_light = |needs: LightNeeds| u64::from(needs.resolution);
+        let most_lights = |_| lights_per_class;
+        let budget =
+            Budget { bytes_per_light: &bytes_per_light, bytes, most_lights: &most_lights, adapter: "test" };
+        plan(&needs, &budget)
     }
 
     #[test]
@@ -115,13 +128,13 @@ mod tests {
             let mut seen: Vec<usize> = classes.iter().flat_map(|c| c.batches.concat()).collect();
             seen.sort_unstable();
             assert_eq!(seen, (0..100).collect::<Vec<_>>());
-            let held: u64 = classes.iter().map(|c| u64::from(c.capacity * c.resolution)).sum();
+            let held: u64 = classes.iter().map(|c| u64::from(c.capacity * c.needs.resolution)).sum();
             assert!(held <= bytes, "{held} > {bytes}");
             for class in &classes {
                 assert!(class.capacity <= layers);
                 for batch in &class.batches {
                     assert!(!batch.is_empty() && batch.len() <= class.capacity as usize);
-                    assert!(batch.iter().all(|&light| resolutions[light] == class.resolution));
+                    assert!(batch.iter().all(|&light| resolutions[light] == class.needs.resolution));
                 }
             }
         }
@@ -135,15 +148,30 @@ mod tests {
 
     #[test]
     fn a_budget_below_one_light_is_an_error_that_says_both() {
-        let bytes_per_light = |size: u32| u64::from(size) << 20;
+        let bytes_per_light = |needs: LightNeeds| u64::from(needs.resolution) << 20;
         let budget = Budget {
             bytes_per_light: &bytes_per_light,
             bytes: 191 << 20,
-            lights_per_class: 16,
+            most_lights: &|_| 16,
             adapter: "test",
         };
-        let error = plan(&[64, 128], &budget).unwrap_err().to_string();
+        let needs = [64, 128].map(|resolution| LightNeeds { resolution, points: 0 });
+        let error = plan(&needs, &budget).unwrap_err().to_string();
         assert!(error.contains("192 MiB") && error.contains("191 MiB"), "{error}");
+    }
+
+    #[test]
+    fn lights_summed_at_other_points_are_in_other_batches() {
+        let needs = [0, 1, 0, 1].map(|points| LightNeeds { resolution: 64, points });
+        let budget = Budget {
+            bytes_per_light: &|_| 1,
+            bytes: 100,
+            // Many points leave room for few lights.
+            most_lights: &|needs| if needs.points == 0 { 1 } else { 16 },
+            adapter: "test",
+        };
+        let batches: Vec<_> = plan(&needs, &budget).unwrap().into_iter().map(|class| class.batches).collect();
+        assert_eq!(batches, [vec![vec![0], vec![2]], vec![vec![1, 3]]]);
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub(crate) enum Binding {
         dimension: wgpu::TextureViewDimension,
         filterable: bool,
     },
+    /// Whole numbers, which are only loaded.
+    UintTexture,
     Depth {
         dimension: wgpu::TextureViewDimension,
     },
@@ -48,6 +50,11 @@ impl Binding {
             Self::Texture { dimension, filterable } => wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Float { filterable },
                 view_dimension: dimension,
+                multisampled: false,
+            },
+            Self::UintTexture => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: D2,
                 multisampled: false,
             },
             Self::Depth { dimension } => wgpu::BindingType::Texture {
@@ -251,7 +258,7 @@ impl Gpu {
     pub(crate) fn write_texture(
         &self,
         texture: &wgpu::Texture,
-        mip_level: u32,
+        [mip_level, layer]: [u32; 2],
         [width, height]: [u32; 2],
         bytes: &[u8],
     ) {
@@ -259,7 +266,7 @@ impl Gpu {
             wgpu::TexelCopyTextureInfo {
                 texture,
                 mip_level,
-                origin: wgpu::Origin3d::ZERO,
+                origin: wgpu::Origin3d { z: layer, ..wgpu::Origin3d::ZERO },
                 aspect: wgpu::TextureAspect::All,
             },
             bytes,
@@ -292,5 +299,28 @@ pub(crate) fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureVi
 pub(crate) fn set_groups(pass: &mut wgpu::ComputePass<'_>, groups: &[(u32, &wgpu::BindGroup)]) {
     for &(number, group) in groups {
         pass.set_bind_group(number, group, &[]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pipelines_are_kept_by_shader_entry_and_layouts() {
+        let Some(gpu) = crate::twins::gpu_or_skip() else { return };
+        let shader = gpu.shader("downsample", &[]).unwrap();
+        let fine = (0, Binding::Texture { dimension: D2_ARRAY, filterable: true });
+        let coarse =
+            (2, Binding::StorageTexture { format: wgpu::TextureFormat::R32Float, dimension: D2_ARRAY });
+        let pipeline = |bindings: &[(u32, Binding)]| {
+            let layout = gpu.layout("downsample", wgpu::ShaderStages::COMPUTE, bindings);
+            gpu.compute_pipeline(&shader, "downsample_r32", &[(layout::GROUP_PASS, &layout)])
+        };
+        let used = [fine, coarse, (3, Binding::Sampler)];
+        let one_more = [fine, coarse, (3, Binding::Sampler), (9, Binding::Uniform)];
+        assert_eq!(pipeline(&used), pipeline(&used));
+        assert_ne!(pipeline(&used), pipeline(&one_more));
+        gpu.check().unwrap();
     }
 }

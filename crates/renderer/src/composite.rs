@@ -1,6 +1,8 @@
 //! Compositing rules, side by side on one interface: `composite(full, unshadowed, shadowed)` in WGSL, where the last
 //! two are the fit: its lights and its ambient rest.
 
+use gnomon_options::Choice;
+
 use crate::RenderError;
 
 /// How exact unshadowed light, the ambient rest and the lights' shadows become one picture.
@@ -37,6 +39,11 @@ pub const COMPOSITINGS: &[Compositing] = &[
         needs_unshadowed: true,
     },
 ];
+
+/// The same as choices of an option.
+pub(crate) fn choices() -> Vec<Choice> {
+    COMPOSITINGS.iter().map(|rule| Choice { name: rule.name, summary: rule.summary }).collect()
+}
 
 /// The compositing rule called `name`.
 ///

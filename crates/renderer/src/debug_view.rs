@@ -4,8 +4,8 @@
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2_ARRAY, set_groups};
-use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
+use crate::shadow::depth_maps::{DepthMaps, MapDepth};
 use crate::{Gpu, RenderError};
 
 /// Something to be shown in place of the picture.
@@ -93,6 +93,8 @@ impl DebugView {
 pub(crate) struct DebugPass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
+    /// In place of the maps of a technique without any.
+    no_maps: DepthMaps,
 }
 
 /// Bind group of the frame for a batch.
@@ -115,7 +117,7 @@ impl DebugPass {
         let groups =
             [(layout::GROUP_FRAME, &frame), (layout::GROUP_SURFACE, gbuffer), (layout::GROUP_PASS, sums)];
         let pipeline = gpu.compute_pipeline(&gpu.shader("debug_view", &[])?, "debug_view", &groups);
-        Ok(Self { layout: frame, pipeline })
+        Ok(Self { layout: frame, pipeline, no_maps: DepthMaps::new(gpu, MapDepth::Linear, 0, 1) })
     }
 
     /// For a batch with these lights and maps.
@@ -125,7 +127,7 @@ impl DebugPass {
         view: &wgpu::Buffer,
         background: &wgpu::TextureView,
         lights: &wgpu::Buffer,
-        maps: &DepthMaps,
+        maps: Option<&DepthMaps>,
     ) -> DebugGroup {
         let size = layout::size::<layout::DebugParameters>();
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
@@ -134,7 +136,7 @@ impl DebugPass {
             (0, view.as_entire_binding()),
             (1, parameters.as_entire_binding()),
             (2, wgpu::BindingResource::TextureView(background)),
-            (3, wgpu::BindingResource::TextureView(&maps.array)),
+            (3, wgpu::BindingResource::TextureView(&maps.unwrap_or(&self.no_maps).array)),
             (4, lights.as_entire_binding()),
         ];
         DebugGroup { group: gpu.bind_group("debug view", &self.layout, &resources), parameters }

@@ -59,6 +59,9 @@ pub enum RenderError {
         /// The value given.
         value: String,
     },
+    /// A setting that is an option cannot be what it is.
+    #[error(transparent)]
+    Option(#[from] gnomon_options::OptionError),
     /// More of something than the adapter can hold.
     #[error("{what}: {wanted} wanted, adapter {adapter} allows {limit}")]
     OverLimit {

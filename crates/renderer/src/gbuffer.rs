@@ -1,42 +1,58 @@
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2};
-use crate::depth_maps::DEPTH_FORMAT;
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::recorder::Recorder;
+use crate::shadow::depth_maps::DEPTH_FORMAT;
 use crate::{Gpu, RenderError};
 
-const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-const COLOR_COUNT: usize = 4;
+/// Of both images, 32 bytes a sample together: WebGPU's default limit.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 
-/// Textures of `gbuffer.wgsl`'s outputs, one texel a sample.
+/// Textures of `gbuffer.wgsl`'s outputs, one texel a sample, and one surface: a further layer would be another of these.
 pub(crate) struct GBuffer {
     /// Parts a side that the samples are drawn in, see `sample_places.wgsl`.
     pub interleave: u32,
     size: [u32; 2],
     depth: wgpu::TextureView,
-    colors: Vec<wgpu::TextureView>,
+    /// Geometry and reflectance, as `gbuffer_packing.wgsl` has them.
+    images: [wgpu::TextureView; 2],
     /// Surface bind group of the passes over the screen.
     pub group: wgpu::BindGroup,
 }
 
 impl GBufferPass {
     /// Textures for a picture of `size` samples, `samples` x `samples` a pixel.
-    pub fn target(&self, gpu: &Gpu, size: [u32; 2], samples: u32) -> GBuffer {
+    pub fn target(&self, gpu: &Gpu, materials: &Materials, size: [u32; 2], samples: u32) -> GBuffer {
         let [width, height] = size;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let target = |label, format| {
             gpu.texture(label, [width, height, 1], 1, format, usage).create_view(&Default::default())
         };
         let depth = target("gbuffer depth", DEPTH_FORMAT);
-        let colors: Vec<_> = (0..COLOR_COUNT).map(|_| target("gbuffer", COLOR_FORMAT)).collect();
-        let views = std::iter::once(&depth).chain(&colors);
-        let bound: Vec<_> =
-            (0..).zip(views).map(|(i, view)| (i, wgpu::BindingResource::TextureView(view))).collect();
-        let group = gpu.bind_group("gbuffer", &self.read_layout, &bound);
+        let images = ["gbuffer geometry", "gbuffer reflectance"].map(|label| target(label, FORMAT));
+        let group = self.read_group(gpu, materials, &depth, &images);
         let interleave = if samples.is_multiple_of(2) { 2 } else { 1 };
-        GBuffer { interleave, size, depth, colors, group }
+        GBuffer { interleave, size, depth, images, group }
+    }
+
+    /// Lets the passes over the screen read other materials.
+    pub fn take_materials(&self, gpu: &Gpu, target: &mut GBuffer, materials: &Materials) {
+        target.group = self.read_group(gpu, materials, &target.depth, &target.images);
+    }
+
+    fn read_group(
+        &self,
+        gpu: &Gpu,
+        materials: &Materials,
+        depth: &wgpu::TextureView,
+        [geometry, reflectance]: &[wgpu::TextureView; 2],
+    ) -> wgpu::BindGroup {
+        let images = [depth, geometry, reflectance].map(wgpu::BindingResource::TextureView);
+        let mut resources = vec![(0, materials.records.as_entire_binding())];
+        resources.extend((1..).zip(images));
+        gpu.bind_group("gbuffer", &self.read_layout, &resources)
     }
 }
 
@@ -55,8 +71,12 @@ impl GBufferPass {
         let material_layout = crate::materials::material_layout(gpu);
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let view_layout = gpu.layout("view", stages, &[(0, Binding::Uniform)]);
-        let mut read = vec![(0, Binding::Depth { dimension: D2 })];
-        read.extend((1..).zip([Binding::LOADED; COLOR_COUNT]));
+        let read = [
+            (0, Binding::Storage { read_only: true }),
+            (1, Binding::Depth { dimension: D2 }),
+            (2, Binding::UintTexture),
+            (3, Binding::UintTexture),
+        ];
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
         let shader = gpu.shader("gbuffer", &[])?;
         let attribute = |array_stride, attributes| {
@@ -97,7 +117,7 @@ impl GBufferPass {
                 module: &shader.module,
                 entry_point: Some("gbuffer_fragment"),
                 compilation_options: Default::default(),
-                targets: &[const { Some(color_target()) }; COLOR_COUNT],
+                targets: &[Some(FORMAT.into()), Some(FORMAT.into())],
             }),
             multiview_mask: None,
             cache: None,
@@ -119,7 +139,7 @@ impl GBufferPass {
         materials: &Materials,
     ) {
         let attachments: Vec<_> = target
-            .colors
+            .images
             .iter()
             .map(|view| {
                 let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -160,18 +180,17 @@ impl GBufferPass {
         }
         pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
         let [width, height] = target.size.map(|side| side / target.interleave);
-        for part in 0..target.interleave * target.interleave {
+        let parts = target.interleave * target.interleave;
+        for part in 0..parts {
             let (x, y) = (part % target.interleave * width, part / target.interleave * height);
             pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
             pass.set_scissor_rect(x, y, width, height);
             for range in &geometry.ranges {
-                pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(range.material), &[]);
-                pass.draw_indexed(range.indices.clone(), 0, part..part + 1);
+                let material = materials.number(range.material);
+                pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(material), &[]);
+                let instance = material as u32 * parts + part;
+                pass.draw_indexed(range.indices.clone(), 0, instance..instance + 1);
             }
         }
     }
-}
-
-const fn color_target() -> wgpu::ColorTargetState {
-    wgpu::ColorTargetState { format: COLOR_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL }
 }

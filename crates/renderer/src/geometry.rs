@@ -1,9 +1,8 @@
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use gnomon_scene::{
-    Bounds, Instance, MaterialId, Mesh, MeshId, MeshPart, Pose, Scene, SimplerTriangles, SkinId,
-};
+use gnomon_scene::{Bounds, Instance, MaterialId, Mesh, MeshPart, Pose, Scene, SimplerTriangles, SkinId};
 use gnomon_shaders::layout;
 use rayon::prelude::*;
 
@@ -50,37 +49,81 @@ pub(crate) struct Geometry {
     joint_count: usize,
     weights: wgpu::Buffer,
     placed: Vec<Kept>,
+    pub details: MeshDetails,
     /// Of each deformable instance, where its box is among `boxes`.
     deformable: Vec<(usize, DeformableBoxes)>,
     bind_group: wgpu::BindGroup,
 }
 
 /// What of an instance a new pose keeps.
-#[derive(Clone, Copy, PartialEq, Eq)]
 struct Kept {
-    mesh: MeshId,
+    mesh: Arc<Mesh>,
     material: Option<MaterialId>,
     skin: Option<SkinId>,
-    targets: usize,
 }
 
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
-        let mesh = &scene.meshes[instance.mesh.0];
-        Self {
-            mesh: instance.mesh,
-            material: mesh.material,
-            skin: instance.skin,
-            targets: mesh.targets.len(),
-        }
+        let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
+        Self { material: mesh.material, mesh, skin: instance.skin }
     }
+}
+
+impl PartialEq for Kept {
+    fn eq(&self, other: &Self) -> bool {
+        // A mesh that was made anew, such as a ground, may be the same.
+        let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh) || self.mesh == other.mesh;
+        same_mesh && (self.material, self.skin) == (other.material, other.skin)
+    }
+}
+
+/// What is worked out of a mesh once, whatever scenes it is part of.
+pub(crate) struct MeshDetail {
+    /// Keeps the address that it is known by from being used for another.
+    _mesh: Arc<Mesh>,
+    parts: Vec<MeshPart>,
+    /// For shadow maps, where the mesh is one part.
+    simpler: Vec<SimplerTriangles>,
+}
+
+impl MeshDetail {
+    fn new(mesh: &Arc<Mesh>) -> Self {
+        let parts = mesh.parts();
+        let simpler = if parts.len() == 1 { mesh.simplifications() } else { Vec::new() };
+        Self { _mesh: Arc::clone(mesh), parts, simpler }
+    }
+}
+
+/// Details by the address of their mesh.
+pub(crate) type MeshDetails = HashMap<usize, Arc<MeshDetail>>;
+
+fn address(mesh: &Arc<Mesh>) -> usize {
+    Arc::as_ptr(mesh) as usize
+}
+
+/// Details of the rigid meshes among those placed; of meshes that were there before, those that are `known`.
+fn details(scene: &Scene, placed: &[Instance], known: &MeshDetails) -> MeshDetails {
+    let rigid = placed.iter().filter(|instance| !scene.is_deformable(instance));
+    let meshes: HashMap<usize, &Arc<Mesh>> =
+        rigid.map(|instance| &scene.meshes[instance.mesh.0]).map(|mesh| (address(mesh), mesh)).collect();
+    let detail = |(address, mesh): (usize, &Arc<Mesh>)| {
+        let detail = known.get(&address).cloned();
+        (address, detail.unwrap_or_else(|| Arc::new(MeshDetail::new(mesh))))
+    };
+    meshes.into_par_iter().map(detail).collect()
 }
 
 /// No box reaches farther [m]: squares of coordinates stay finite.
 const FARTHEST: f32 = 1e15;
 
 impl Geometry {
-    pub fn new(gpu: &Gpu, transform: &TransformPass, scene: &Scene) -> Result<Self, RenderError> {
+    /// The geometry of a scene. What `before` worked out of meshes that both scenes share is not worked out again.
+    pub fn new(
+        gpu: &Gpu,
+        transform: &TransformPass,
+        scene: &Scene,
+        before: Option<&Self>,
+    ) -> Result<Self, RenderError> {
         let placed = by_material(scene);
         let total: usize = placed.iter().map(|i| scene.meshes[i.mesh.0].positions.len()).sum();
         let limits = gpu.device.limits();
@@ -106,12 +149,8 @@ impl Geometry {
         let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles as usize);
         let mut ranges: Vec<DrawRange> = Vec::new();
         let mut boxes = Vec::with_capacity(placed.len());
-        let rigid: BTreeSet<usize> =
-            placed.iter().filter(|i| !scene.is_deformable(i)).map(|i| i.mesh.0).collect();
-        let parts_of: HashMap<usize, (Vec<MeshPart>, Vec<SimplerTriangles>)> = rigid
-            .into_par_iter()
-            .map(|mesh| (mesh, parts_and_simplifications(&scene.meshes[mesh])))
-            .collect();
+        let none = MeshDetails::new();
+        let details = details(scene, &placed, before.map_or(&none, |before| &before.details));
         // Boxes with simpler triangles, which follow once all that is drawn whole has its indices.
         let mut simpler: Vec<(usize, &[SimplerTriangles], u32)> = Vec::new();
         let mut records = Records::new();
@@ -166,10 +205,10 @@ impl Geometry {
                     deformable.push((boxes.len(), DeformableBoxes::new(mesh, placement.skin.is_some())));
                     boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, None));
                 }
-            } else if let Some((parts, simplifications)) = parts_of.get(&placement.mesh.0) {
-                simpler.push((boxes.len(), simplifications, first_vertex));
+            } else if let Some(detail) = details.get(&address(mesh)) {
+                simpler.push((boxes.len(), &detail.simpler, first_vertex));
                 let index = |triangle: usize| first_index + 3 * triangle as u32;
-                boxes.extend(parts.iter().map(|part| {
+                boxes.extend(detail.parts.iter().map(|part| {
                     let is_alone = part.triangles.len() == part.count;
                     let indices = is_alone.then(|| index(part.triangles.start)..index(part.triangles.end));
                     new_box(part.bounds, indices)
@@ -248,6 +287,7 @@ impl Geometry {
             joint_count: data.joints.len(),
             weights,
             placed: placed.iter().map(|instance| Kept::new(scene, instance)).collect(),
+            details,
             deformable,
             bind_group,
         };
@@ -261,7 +301,8 @@ impl Geometry {
     }
 
     fn holds(&self, scene: &Scene, placed: &[Instance]) -> bool {
-        placed.iter().map(|instance| Kept::new(scene, instance)).eq(self.placed.iter().copied())
+        placed.len() == self.placed.len()
+            && placed.iter().zip(&self.placed).all(|(instance, kept)| Kept::new(scene, instance) == *kept)
     }
 
     /// Takes over a new pose of the same scene, for the next frame; `false` where it is another scene. Boxes follow.
@@ -322,13 +363,6 @@ impl Geometry {
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::around(self.placed_boxes.corners())
     }
-}
-
-/// A mesh's parts, and simpler triangles for shadow maps where it is one part.
-fn parts_and_simplifications(mesh: &Mesh) -> (Vec<MeshPart>, Vec<SimplerTriangles>) {
-    let parts = mesh.parts();
-    let simpler = if parts.len() == 1 { mesh.simplifications() } else { Vec::new() };
-    (parts, simpler)
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.

@@ -133,6 +133,12 @@ impl Gpu {
         self.device.limits().max_texture_array_layers
     }
 
+    /// Bytes of the largest buffer that a shader can be given.
+    pub(crate) fn largest_storage(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
     /// Waits until the GPU has done everything submitted so far.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn wait(&self) -> Result<(), RenderError> {

@@ -3,7 +3,6 @@ use gnomon_shaders::layout;
 use crate::bindings::{Binding, Groups, set_groups};
 use crate::recorder::Recorder;
 use crate::shading_points::ShadingPoints;
-use crate::shadow_batches::Batch;
 use crate::{Gpu, RenderError};
 
 /// Layout of the frame as the pass that sums light has it.
@@ -17,13 +16,10 @@ pub(crate) fn frame_group(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
     view: &wgpu::Buffer,
-    batch: &Batch,
+    [lights, batch]: [&wgpu::Buffer; 2],
 ) -> wgpu::BindGroup {
-    let buffers = [
-        (0, view.as_entire_binding()),
-        (1, batch.lights.as_entire_binding()),
-        (2, batch.parameters.as_entire_binding()),
-    ];
+    let buffers =
+        [(0, view.as_entire_binding()), (1, lights.as_entire_binding()), (2, batch.as_entire_binding())];
     gpu.bind_group("frame", layout, &buffers)
 }
 

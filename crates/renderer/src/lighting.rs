@@ -196,7 +196,7 @@ fn upload<'a>(gpu: &Gpu, label: &str, levels: impl IntoIterator<Item = &'a RgbIm
     let texture = gpu.texture(label, size, count, wgpu::TextureFormat::Rgba32Float, usage);
     for (i, level) in (0..).zip(levels) {
         let texels: Vec<[f32; 4]> = level.texels().iter().map(|texel| texel.extend(1.0).to_array()).collect();
-        gpu.write_texture(&texture, i, [level.width(), level.height()], bytemuck::cast_slice(&texels));
+        gpu.write_texture(&texture, [i, 0], [level.width(), level.height()], bytemuck::cast_slice(&texels));
     }
     texture.create_view(&Default::default())
 }

@@ -1,9 +1,15 @@
+use gnomon_options::{Group, Options, choice, number, power_of_two, settings, whole, yes_no};
 use gnomon_picture::tonemap::ToneMapping;
+use gnomon_scene::Scene;
+use gnomon_shaders::layout::CachedLobe;
 
-use crate::RenderError;
+use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
-use crate::shadow::{self, ShadowSettings};
-use crate::{ambient, composite, unshadowed};
+use crate::composite::{self, Compositing};
+use crate::shadow::technique::ShadowTechnique;
+use crate::shadow::{self, ShadowSettings, VisibilityPath};
+use crate::unshadowed::{self, Unshadowed};
+use crate::{Gpu, RenderError};
 
 /// How frames are drawn, in parts that change together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,85 +24,69 @@ pub struct RenderSettings {
     pub measure: MeasureSettings,
 }
 
-/// How radiance becomes a displayed picture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DisplaySettings {
-    /// Stops of exposure; 0 where nobody says.
-    pub exposure: Option<f32>,
-    /// Tone mapping.
-    pub tone_mapping: ToneMapping,
-    /// Draw the environment behind the scene.
-    pub background: bool,
-}
+static DISPLAY: Group = Group { table: "", heading: "Display", condition: None };
+static LIGHTING: Group = Group { table: "", heading: "Lights", condition: None };
+static TECHNIQUES: Group = Group { table: "", heading: "Shadows", condition: None };
+const COMPOSITING: &str = "Compositing";
+const SAMPLING: &str = "Sampling";
 
-impl Default for DisplaySettings {
-    fn default() -> Self {
-        Self { exposure: None, tone_mapping: ToneMapping::default(), background: true }
+settings! {
+    /// How radiance becomes a displayed picture.
+    pub struct DisplaySettings in DISPLAY {
+        /// Stops by which the picture is brightened; EXR files hold radiance as it is.
+        exposure: Option<f32> = None,
+            number(-100.0, 100.0).unit("EV").automatic("what brings the environment's mean to 0.5", 0.0);
+        /// How radiance is brought into the range of a display.
+        tone_mapping: ToneMapping = ToneMapping::default(), choice(ToneMapping::choices);
+        /// Whether the environment is seen behind the scene.
+        background: bool = true, yes_no();
     }
 }
 
-/// What becomes of the light that a fit leaves over.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightingSettings {
-    /// Name of a way in [`crate::ambient::AMBIENTS`] to shadow the ambient rest.
-    pub ambient: String,
-    /// Lights or probes that the ambient rest may become, 6 to 4096.
-    pub ambient_cells: usize,
-}
-
-impl Default for LightingSettings {
-    fn default() -> Self {
-        Self { ambient: "cells".to_owned(), ambient_cells: 32 }
+settings! {
+    /// What becomes of the light that a fit leaves over.
+    pub struct LightingSettings in LIGHTING {
+        /// What the ambient rest of a fit does about shadows.
+        ambient: String = "cells".to_owned(), choice(ambient::choices);
+        /// Most lights or probes that the ambient rest may become.
+        ambient_cells: usize = 32, whole(6, 4096);
     }
 }
 
-/// How visibility is found and light is summed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TechniqueSettings {
-    /// One of [`crate::shadow::names`].
-    pub shadows: String,
-    /// Parameters of the techniques.
-    pub shadow_settings: ShadowSettings,
-    /// Edge length of the largest depth map in texels: a power of two, 16 to 8192.
-    pub shadow_resolution: u32,
-    /// How that becomes the size of each light's map.
-    pub shadow_sizing: ShadowSizing,
-    /// GPU memory for shadow maps and their images [MiB]. Lights that do not fit take turns.
-    pub shadow_memory: u32,
-    /// Receivers are moved along their normal by this many depth-map texels against self-shadowing.
-    pub normal_offset: f32,
-    /// What is drawn into the maps of wide lights may deviate from the scene by this many depth-map texels, 0 to 16; 0 draws all
-    /// triangles for all lights.
-    pub caster_deviation: f32,
-    /// Name of a rule in [`crate::composite::COMPOSITINGS`].
-    pub compositing: String,
-    /// Name of a source in [`crate::unshadowed::UNSHADOWED`].
-    pub unshadowed: String,
-    /// Texels along the side of a lobe's map in the radiance cache, 16 to 1024.
-    pub radiance_cache_resolution: u32,
-    /// Samples along a pixel's side, 1 to 8; their mean is the pixel.
-    pub supersample: u32,
-    /// Samples along the side of a tile of the shadow buffer, 1, 2, 4, 8, 16 or 32: lights are summed once a tile, and wherever a
-    /// sample is unlike the tiles around it (DeCoro and Rusinkiewicz 2008, section 3.2).
-    pub shadow_sampling: u32,
-}
-
-impl Default for TechniqueSettings {
-    fn default() -> Self {
-        Self {
-            shadows: "pcss".to_owned(),
-            shadow_settings: ShadowSettings::default(),
-            shadow_resolution: 256,
-            shadow_sizing: ShadowSizing::default(),
-            shadow_memory: 1024,
-            normal_offset: 1.5,
-            caster_deviation: 0.25,
-            compositing: "ratio".to_owned(),
-            unshadowed: "auto".to_owned(),
-            radiance_cache_resolution: 128,
-            supersample: 2,
-            shadow_sampling: 2,
-        }
+settings! {
+    /// How visibility is found and light is summed.
+    pub struct TechniqueSettings in TECHNIQUES {
+        /// Shadow technique.
+        shadows: String = "pcss".to_owned(), choice(shadow::choices);
+        /// How the sum of light learns what techniques find.
+        visibility: VisibilityPath = VisibilityPath::default(), choice(VisibilityPath::choices);
+        /// Texels along each side of the largest shadow map.
+        shadow_resolution: u32 = 256, power_of_two(16, 8192);
+        /// How large the lights' shadow maps are.
+        shadow_sizing: ShadowSizing = ShadowSizing::default(), choice(ShadowSizing::choices);
+        /// Memory for shadow maps and their images; lights that do not fit take turns.
+        shadow_memory: u32 = 1024, whole(1, 1 << 20).unit("MiB");
+        /// Distance by which receivers are moved along their normal against self-shadowing, in texels of the shadow map.
+        normal_offset: f32 = 1.5, number(0.0, 64.0).unit("texels");
+        /// Distance by which simpler meshes, drawn into the shadow maps of wide lights in place of those of many triangles, may deviate
+        /// from them, in texels of the shadow map; 0 draws all triangles.
+        caster_deviation: f32 = 0.25, number(0.0, 16.0).unit("texels");
+        /// How shadows and unshadowed light become one picture.
+        compositing: String = "ratio".to_owned(), choice(composite::choices).under(COMPOSITING);
+        /// Where unshadowed light comes from.
+        unshadowed: String = "auto".to_owned(), choice(unshadowed::choices).under(COMPOSITING);
+        /// Texels along each side of a lobe's map in the radiance cache.
+        radiance_cache_resolution: u32 = 128, whole(16, 1024).under(COMPOSITING);
+        /// Samples of a lobe for every texel of the radiance cache.
+        radiance_cache_samples: u32 = 128, whole(1, 4096).under(COMPOSITING);
+        /// Samples along each side of a pixel; their mean is the pixel.
+        supersample: u32 = 2, whole(1, 8).under(SAMPLING);
+        /// Samples along each side of a tile over which lights are summed once. Samples unlike the tiles around them are lit by
+        /// themselves, so that edges stay sharp (DeCoro and Rusinkiewicz 2008, section 3.2).
+        shadow_sampling: u32 = 2, power_of_two(1, 32).under(SAMPLING);
+    } with {
+        /// Parameters of the techniques.
+        shadow_settings: ShadowSettings;
     }
 }
 
@@ -119,24 +109,46 @@ impl RenderSettings {
     /// Whether all names stand for something and all numbers are in range.
     ///
     /// # Errors
-    /// [`RenderError::UnknownName`] or [`RenderError::OutOfRange`] for the first that does not.
+    /// [`RenderError::Option`] for the first that does not.
     pub fn check(&self) -> Result<(), RenderError> {
-        let Self { display, lighting, techniques, .. } = self;
-        shadow::by_name(&techniques.shadows)?;
-        ambient::by_name(&lighting.ambient)?;
-        composite::by_name(&techniques.compositing)?;
-        unshadowed::by_name(&techniques.unshadowed)?;
-        in_range("samples along a pixel's side", techniques.supersample, 1..=8)?;
-        in_range("exposure", display.exposure.unwrap_or(0.0), -100.0..=100.0)?;
-        in_range("deviation of shadow casters in texels", techniques.caster_deviation, 0.0..=16.0)?;
-        in_range("cells of the ambient rest", lighting.ambient_cells, 6..=4096)?;
-        in_range("resolution of the radiance cache", techniques.radiance_cache_resolution, 16..=1024)?;
-        check_power_of_two("shadow map resolution", techniques.shadow_resolution, 16..=8192)?;
-        check_power_of_two(
-            "samples along the side of a tile of the shadow buffer",
-            techniques.shadow_sampling,
-            1..=32,
-        )
+        self.display.check()?;
+        self.lighting.check()?;
+        self.techniques.check()?;
+        Ok(())
+    }
+}
+
+/// Settings, and what their names stand for.
+#[derive(Clone)]
+pub(crate) struct Chosen {
+    pub settings: RenderSettings,
+    pub technique: &'static dyn ShadowTechnique,
+    pub ambient: &'static Ambient,
+    pub compositing: &'static Compositing,
+    pub unshadowed: &'static Unshadowed,
+}
+
+impl Chosen {
+    /// # Errors
+    /// As [`RenderSettings::check`], and [`RenderError::NeedsFeature`] for a technique that the device cannot do.
+    pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
+        settings.check()?;
+        let RenderSettings { lighting, techniques, .. } = &settings;
+        Ok(Self {
+            technique: shadow::usable(gpu, &techniques.shadows, techniques.visibility)?,
+            ambient: ambient::by_name(&lighting.ambient)?,
+            compositing: composite::by_name(&techniques.compositing)?,
+            unshadowed: unshadowed::by_name(&techniques.unshadowed)?,
+            settings,
+        })
+    }
+
+    /// The lobes of a scene's materials that the radiance cache is for.
+    pub fn cached_lobes(&self, scene: &Scene) -> Vec<CachedLobe> {
+        match self.compositing.needs_unshadowed {
+            true => self.unshadowed.cached_lobes(scene),
+            false => Vec::new(),
+        }
     }
 }
 
@@ -150,17 +162,5 @@ pub(crate) fn in_range<T: PartialOrd + std::fmt::Display>(
         return Ok(value);
     }
     let range = format!("{} to {}", range.start(), range.end());
-    Err(RenderError::OutOfRange { what, range, value: value.to_string() })
-}
-
-fn check_power_of_two(
-    what: &'static str,
-    value: u32,
-    range: std::ops::RangeInclusive<u32>,
-) -> Result<(), RenderError> {
-    if range.contains(&value) && value.is_power_of_two() {
-        return Ok(());
-    }
-    let range = format!("a power of two from {} to {}", range.start(), range.end());
     Err(RenderError::OutOfRange { what, range, value: value.to_string() })
 }

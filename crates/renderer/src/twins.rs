@@ -3,13 +3,16 @@
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
 use gnomon_lights::{DistantLight, LightShape};
-use gnomon_shaders::twin::{depth_moments, hemisphere, math, resample, sample_pattern, series, weighted_box};
+use gnomon_shaders::twin::{
+    depth_moments, half_pairs, hemisphere, math, resample, sample_pattern, series, weighted_box,
+};
 use gnomon_testing::tolerances::SHADER_TWIN;
 
 use crate::bindings::Binding;
 use crate::gpu::ReadBack;
 use crate::{Gpu, GpuOptions};
 
+mod gbuffer_packing;
 mod reflectance;
 
 const COUNT: usize = 4096;
@@ -334,13 +337,6 @@ fn sample_patterns() {
             disk.extend(square.x).extend(square.y)
         },
     );
-    compare(
-        "sample_pattern",
-        "vec4f(noise(a.xyz), 0.0, 0.0)",
-        0.0,
-        |u, _| [u, Vec4::ZERO],
-        |[a, _]| sample_pattern::noise(a.truncate()).extend(0.0).extend(0.0),
-    );
 }
 
 #[test]
@@ -452,4 +448,19 @@ fn a_planted_fault_is_found() {
     let faulty = worst(&shader, &inputs, |[a, _]| scalar(gnomon_brdf::d_ggx(a.x, a.y + 0.101)));
     let sound = worst(&shader, &inputs, |[a, _]| scalar(gnomon_brdf::d_ggx(a.x, a.y + 0.1)));
     assert!(faulty > 2e-3 && sound < 2e-3, "faulty {faulty}, sound {sound}");
+}
+
+#[test]
+fn colors_in_halves() {
+    // Over all magnitudes that halves have, and beyond the largest.
+    let scaled = |u: Vec4, exponent: f32| u * (40.0 * exponent - 22.0).exp2();
+    let input = |u: Vec4, v: Vec4| [scaled(u, v.w), scaled(v, u.w)];
+    let pair = "unpack_color_pair(pack_color_pair(a.xyz, b.xyz))";
+    let body = format!("vec4f({pair}.first.xy, {pair}.second.yz)");
+    // Drivers may round either way, by one part in 2048 or half the smallest step.
+    compare("half_pairs", &body, 5e-4, input, |[a, b]| {
+        let pair = half_pairs::pack_color_pair(a.truncate(), b.truncate());
+        let [first, second] = half_pairs::unpack_color_pair(pair);
+        Vec4::new(first.x, first.y, second.y, second.z)
+    });
 }

@@ -1,6 +1,7 @@
 //! Where the unshadowed light that shadows are taken from comes from, side by side on one interface (DeCoro and Rusinkiewicz 2008,
 //! section 3.1).
 
+use gnomon_options::Choice;
 use gnomon_scene::Scene;
 use gnomon_shaders::layout::CachedLobe;
 
@@ -55,6 +56,11 @@ pub const UNSHADOWED: &[Unshadowed] = &[
         caches_prefiltered: true,
     },
 ];
+
+/// The same as choices of an option.
+pub(crate) fn choices() -> Vec<Choice> {
+    UNSHADOWED.iter().map(|source| Choice { name: source.name, summary: source.summary }).collect()
+}
 
 /// The source called `name`.
 ///

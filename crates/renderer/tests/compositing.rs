@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::*;
 use glam::{Affine3A, Vec2, Vec3};
 use gnomon_brdf::Surface;
@@ -38,7 +40,7 @@ fn scene() -> Scene {
     let mut scene = scene_of(meshes, Material::default());
     for (place, surface) in surfaces.into_iter().enumerate() {
         scene.materials.push(Material { surface, ..Material::default() });
-        scene.meshes[place].material = Some(MaterialId(scene.materials.len() - 1));
+        Arc::make_mut(&mut scene.meshes[place]).material = Some(MaterialId(scene.materials.len() - 1));
         let at = Vec3::new(2.1 * (place % 4) as f32 - 3.15, 0.0, 2.1 * (place / 4) as f32 - 1.05);
         scene.nodes[place].parent_from_node = Affine3A::from_translation(at);
     }

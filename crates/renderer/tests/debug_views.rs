@@ -213,7 +213,7 @@ fn a_face_whose_texture_coordinates_stay_the_same_has_one_texel_s_colour() {
     let mut material = Material { base_color_texture: Some(reference), ..Default::default() };
     material.surface.base_color = Vec3::ONE;
     let mut scene = scene_of(vec![mesh], material);
-    scene.textures.push(texture);
+    scene.textures.push(texture.into());
     let mut renderer = renderer(&gpu, settings(), &scene, &one_disk(Vec3::Y, 0.3));
     let camera = Camera::look_at(Vec3::new(0.0, 3.0, 3.0), Vec3::ZERO, 0.6);
     let shown = shown(&mut renderer, &camera, ("base-color", 0), [SIZE, SIZE]);

@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::*;
 use glam::{DVec2, DVec3, Vec3};
 use gnomon_brdf::{Model, Surface};
@@ -128,6 +130,6 @@ fn edited_materials_are_those_of_a_fresh_renderer() {
     }
     // A material more, and a mesh that takes it.
     scene.materials.push(Material { emissive: Vec3::ONE, ..Material::default() });
-    scene.meshes[0].material = Some(MaterialId(1));
+    Arc::make_mut(&mut scene.meshes[0]).material = Some(MaterialId(1));
     check(&scene);
 }

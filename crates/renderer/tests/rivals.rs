@@ -85,7 +85,7 @@ fn a_kernel_of_fixed_width_fails_the_penumbra_check() {
     let radius = f32::to_radians(10.0);
     let set = one_disk(Vec3::Y, radius);
     let mut fixed = settings("pcf");
-    fixed.techniques.shadow_settings.pcf.radius_texels = 0.6 * radius.tan() / TEXEL;
+    fixed.techniques.shadow_settings.pcf.radius = 0.6 * radius.tan() / TEXEL;
     fixed.techniques.shadow_settings.pcf.samples = 64;
     let relative = |height: f32| {
         let width = mean_width(&gpu, &fixed, &set, height, penumbra::disk_penumbra_width);
@@ -97,21 +97,6 @@ fn a_kernel_of_fixed_width_fails_the_penumbra_check() {
         relative(0.6)
     );
     assert!(relative(0.3).abs() > 2.0 * tolerances::PENUMBRA_WIDTH, "too wide below: {}", relative(0.3));
-}
-
-#[test]
-fn noise_instead_of_banding_keeps_the_mean() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (edge, height) = (0.0, 0.6);
-    let scene = edge_over_ground(edge, height);
-    let set = one_disk(Vec3::Y, f32::to_radians(10.0));
-    let mut rotated = settings("pcss");
-    rotated.techniques.shadow_settings.pcss.rotate_per_pixel = true;
-    let (plain, noisy) =
-        (profile(&gpu, settings("pcss"), &scene, &set, height), profile(&gpu, rotated, &scene, &set, height));
-    let mean = |profile: &[f32]| profile.iter().sum::<f32>() / profile.len() as f32;
-    assert!((mean(&plain) - mean(&noisy)).abs() < tolerances::UMBRA, "{} {}", mean(&plain), mean(&noisy));
-    assert_ne!(plain, noisy);
 }
 
 #[test]
@@ -133,14 +118,13 @@ fn no_lights_and_wrong_settings_are_defined() {
     let wrong = |name: &str, change: fn(&mut ShadowSettings)| {
         let mut settings = settings(name);
         change(&mut settings.techniques.shadow_settings);
-        let mut renderer = Renderer::new(&gpu, settings).unwrap();
-        renderer.set_lighting(&no_light(), &one_disk(Vec3::Y, 0.1)).err().map(|error| error.to_string())
+        Renderer::new(&gpu, settings).err().map(|error| error.to_string())
     };
     assert!(wrong("pcss", |s| s.pcss.search_samples = 0).unwrap().contains("1 to 1024"));
     assert!(wrong("pcss", |s| s.pcss.filter_samples = 2000).unwrap().contains("2000"));
-    assert!(wrong("pcf", |s| s.pcf.radius_texels = f32::NAN).unwrap().contains("radius"));
+    assert!(wrong("pcf", |s| s.pcf.radius = f32::NAN).unwrap().contains("radius"));
     assert!(wrong("pcf", |s| s.pcf.samples = 0).is_some());
-    assert!(wrong("moments", |s| s.moments.moment_bias = -1.0).unwrap().contains("moment bias"));
+    assert!(wrong("moments", |s| s.moments.moment_bias = -1.0).unwrap().contains("moments-moment-bias"));
     assert!(wrong("hard", |s| s.hard.depth_bias = f32::INFINITY).is_some());
     assert!(wrong("hard-linear", |s| s.hard_linear.depth_bias = -0.1).is_some());
     assert!(RIVALS.iter().all(|rival| shadow::names().any(|(name, _)| name == *rival)));

@@ -12,7 +12,7 @@ use gnomon_metrics::relative_rmse;
 use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderSettings, Renderer};
-use gnomon_scene::{Camera, Material, Scene};
+use gnomon_scene::{Camera, Material, Mesh, Scene};
 use gnomon_testing::tolerances::{ROTATED_REFERENCE_RMSE, ROTATED_SCENE_RMSE, ROTATED_TEXELS_RMSE};
 
 const SIZE: [u32; 2] = [64, 48];
@@ -34,10 +34,10 @@ fn scene() -> Scene {
         let mut material = Material::default();
         reflectance.parse::<gnomon_scene::ReflectanceSettings>().unwrap().apply(&mut material.surface);
         scene.materials.push(material);
-        let mut part = boxes.clone();
+        let mut part = Mesh::clone(&boxes);
         part.triangles = boxes.triangles[i * third..(i + 1) * third].to_vec();
         part.material = Some(gnomon_scene::MaterialId(scene.materials.len() - 1));
-        scene.meshes.push(part);
+        scene.meshes.push(part.into());
         scene.nodes[0].meshes.push(gnomon_scene::MeshId(scene.meshes.len() - 1));
     }
     scene

@@ -11,6 +11,7 @@
 //! | `d`, `Tr` below 1 | opaque, with a warning |
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Affine2, Vec3};
 use gnomon_messages::quoted;
@@ -140,13 +141,13 @@ impl Library {
                 let picture = source.read(&path, budget).and_then(|bytes| texture::decode(&bytes, budget));
                 let id = match picture {
                     Ok(picture) => {
-                        scene.textures.push(Texture {
+                        scene.textures.push(Arc::new(Texture {
                             width: picture.width,
                             height: picture.height,
                             rgba8: picture.rgba8,
                             wrap: [Wrap::Repeat; 2],
                             nearest: false,
-                        });
+                        }));
                         Some(TextureId(scene.textures.len() - 1))
                     }
                     Err(Fault::TooLarge { limit_mib }) => return Err(Fault::TooLarge { limit_mib }),

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use ::toml::Spanned;
 use glam::{Affine3A, EulerRot, Quat, Vec3};
@@ -227,12 +228,12 @@ impl Reader<'_> {
                 self.at(spanned, format!("there is no [material.{}] in this file", quoted(material)))
             })?;
             // One material for the whole model; the file's own go, and so do its textures.
-            placed.meshes.iter_mut().for_each(|mesh| mesh.material = None);
+            placed.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = None);
             placed.materials.clear();
             placed.textures.clear();
             let first = scene.meshes.len();
             scene.append(placed, self.root(spanned, name)?);
-            scene.meshes[first..].iter_mut().for_each(|mesh| mesh.material = Some(*id));
+            scene.meshes[first..].iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = Some(*id));
         } else {
             scene.append(placed, self.root(spanned, name)?);
         }

@@ -47,7 +47,7 @@ fn a_clip_reaches_wherever_one_of_its_poses_does() {
     assert_eq!(scene.bounds_of_clip(0).unwrap(), Some(reach));
     let mut scene = moving("translation", &[0.0, 0.0, 0.0, 3e38, 0.0, 0.0]);
     close(scene.bounds_of_clip(0).unwrap().unwrap(), Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0));
-    let mut empty = Scene { animations: vec![Animation::default()], ..Scene::default() };
+    let mut empty = Scene { animations: vec![Animation::default().into()], ..Scene::default() };
     assert_eq!(empty.bounds_of_clip(0).unwrap(), None);
 }
 

@@ -181,6 +181,8 @@ pub fn camera_around(bounds: Option<Bounds>, aspect: f32) -> Camera {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::{Projection, builtin};
 
@@ -293,7 +295,7 @@ mod tests {
         let within_one_mesh = |flat: Vec3, at: Vec3| {
             let mut scene = scene(Vec3::ZERO, Vec3::ONE);
             let plate = self::scene(at - 0.5 * flat, at + 0.5 * flat);
-            let mesh = &mut scene.meshes[0];
+            let mesh = Arc::make_mut(&mut scene.meshes[0]);
             mesh.positions.extend(&plate.meshes[0].positions);
             mesh.triangles.push([3, 4, 5]);
             scene.stands_on_ground()

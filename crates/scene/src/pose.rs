@@ -260,7 +260,7 @@ mod tests {
             }],
             ..Mesh::default()
         };
-        let (mesh, skin) = (vec![mesh], Skin { joints: vec![NodeId(1)], ..Skin::default() });
+        let (mesh, skin) = (vec![mesh.into()], Skin { joints: vec![NodeId(1)], ..Skin::default() });
         let placed = Node {
             meshes: vec![MeshId(0)],
             skin: Some(SkinId(0)),

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use glam::Vec3;
 use gnomon_brdf::{Model, Parameter, Surface};
@@ -197,7 +198,7 @@ impl Scene {
         // The ground keeps what it has, in a material of its own.
         for mesh in &ground {
             let copy = self.material(*mesh).clone();
-            self.meshes[mesh.0].material = Some(MaterialId(self.materials.len()));
+            Arc::make_mut(&mut self.meshes[mesh.0]).material = Some(MaterialId(self.materials.len()));
             self.materials.push(copy);
         }
         let kept = self.materials.len() - ground.len();
@@ -208,7 +209,7 @@ impl Scene {
             let mut material = Material::default();
             settings.apply(&mut material.surface);
             self.materials.push(material);
-            bare.into_iter().for_each(|mesh| self.meshes[mesh].material = Some(id));
+            bare.into_iter().for_each(|mesh| Arc::make_mut(&mut self.meshes[mesh]).material = Some(id));
         }
         self.materials[..kept].iter_mut().for_each(|material| settings.apply(&mut material.surface));
         let warning = self.materials.iter().find_map(|material| excess(&material.surface));
@@ -309,7 +310,7 @@ mod tests {
     #[test]
     fn every_material_but_the_grounds_changes() {
         let mut scene = builtin::by_name("three-boxes").unwrap();
-        scene.meshes[0].material = None;
+        Arc::make_mut(&mut scene.meshes[0]).material = None;
         let ground = scene.nodes[scene.ground.unwrap().0].meshes[0];
         let before = scene.material(ground).clone();
         scene.set_reflectance(&"phong:shininess=9,specular=0.7,diffuse=0.6".parse().unwrap());

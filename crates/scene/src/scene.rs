@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use crate::{
@@ -72,14 +74,16 @@ pub struct CameraMount {
 }
 
 /// Everything that is drawn, and from where, in its current pose: [`Scene::animate`] changes the pose.
+///
+/// A clone shares meshes, textures and clips with its original; `Arc::make_mut` gives a scene its own copy of one that is to change.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Scene {
     /// Meshes.
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<Arc<Mesh>>,
     /// Materials.
     pub materials: Vec<Material>,
     /// Textures.
-    pub textures: Vec<Texture>,
+    pub textures: Vec<Arc<Texture>>,
     /// Nodes, parents before children.
     pub nodes: Vec<Node>,
     /// Cameras, in file order; the first is used unless another is named.
@@ -89,7 +93,7 @@ pub struct Scene {
     /// Skins.
     pub skins: Vec<Skin>,
     /// Clips, in file order.
-    pub animations: Vec<Animation>,
+    pub animations: Vec<Arc<Animation>>,
     /// The nodes that clips move, each once, with their pose in the file.
     pub animated: Vec<AnimatedNode>,
     /// Cameras that go with animated nodes.
@@ -177,7 +181,7 @@ impl Scene {
 
     /// Adds a mesh and a root node that places it where it is.
     pub fn push_mesh(&mut self, name: &str, mesh: Mesh) -> NodeId {
-        self.meshes.push(mesh);
+        self.meshes.push(Arc::new(mesh));
         self.nodes.push(Node {
             name: name.to_owned(),
             meshes: vec![MeshId(self.meshes.len() - 1)],
@@ -205,7 +209,9 @@ impl Scene {
             material
         }));
         self.meshes.extend(other.meshes.into_iter().map(|mut mesh| {
-            mesh.material = mesh.material.map(|material| MaterialId(material.0 + materials));
+            if let Some(material) = mesh.material.filter(|_| materials > 0) {
+                Arc::make_mut(&mut mesh).material = Some(MaterialId(material.0 + materials));
+            }
             mesh
         }));
         let (_, rotation, _) = root.parent_from_node.to_scale_rotation_translation();
@@ -229,7 +235,7 @@ impl Scene {
             skin
         }));
         self.animations.extend(other.animations.into_iter().map(|mut animation| {
-            animation.channels.iter_mut().for_each(|channel| channel.node.0 += first);
+            Arc::make_mut(&mut animation).channels.iter_mut().for_each(|channel| channel.node.0 += first);
             animation
         }));
         self.animated.extend(other.animated.into_iter().map(|mut animated| {

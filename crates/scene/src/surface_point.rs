@@ -40,7 +40,7 @@ impl Scene {
     /// Everything shading needs at a point of a triangle, `barycentrics` being the weights of its three corners
     /// (they sum to 1). The mesh and triangle must exist.
     pub fn surface_at(&self, mesh: MeshId, triangle: usize, barycentrics: Vec3) -> SurfacePoint {
-        let Mesh { positions, normals, tangents, .. } = &self.meshes[mesh.0];
+        let Mesh { positions, normals, tangents, .. } = &*self.meshes[mesh.0];
         self.surface_of(mesh, (positions, normals, tangents), triangle, barycentrics)
     }
 
@@ -209,6 +209,8 @@ fn weighted(weights: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::{Affine2, Affine3A};
 
     use super::*;
@@ -221,7 +223,7 @@ mod tests {
         set_up(&mut material, TextureRef { texture: TextureId(0), uv_from_mesh: Affine2::IDENTITY, set: 0 });
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         Scene {
-            meshes: vec![Mesh {
+            meshes: vec![Arc::new(Mesh {
                 uvs: [positions.iter().map(|p| p.truncate()).collect(), Vec::new()],
                 positions,
                 normals: vec![Vec3::Z; 3],
@@ -229,15 +231,15 @@ mod tests {
                 triangles: vec![[0, 1, 2]],
                 material: Some(MaterialId(0)),
                 ..Mesh::default()
-            }],
+            })],
             materials: vec![material],
-            textures: vec![Texture {
+            textures: vec![Arc::new(Texture {
                 width: 2,
                 height: 1,
                 rgba8: texels.to_vec(),
                 wrap: [Wrap::ClampToEdge; 2],
                 nearest: true,
-            }],
+            })],
             nodes: vec![Node { meshes: vec![MeshId(0)], ..Node::default() }],
             ..Scene::default()
         }
@@ -264,7 +266,8 @@ mod tests {
     #[test]
     fn vertex_colors_multiply_the_base_color() {
         let mut scene = scene([[255; 4]; 2], |material, _| material.surface.base_color = Vec3::splat(0.5));
-        scene.meshes[0].colors = vec![Vec4::ONE, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE];
+        Arc::make_mut(&mut scene.meshes[0]).colors =
+            vec![Vec4::ONE, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE];
         let point = scene.surface_at(MeshId(0), 0, Vec3::new(0.5, 0.5, 0.0));
         assert!((point.surface.base_color - Vec3::new(0.5, 0.25, 0.25)).length() < 1e-6);
     }
@@ -321,8 +324,8 @@ mod tests {
     #[test]
     fn triangles_without_area_or_normals_still_have_a_normal() {
         let mut scene = scene([[255; 4]; 2], |_, _| ());
-        scene.meshes[0].positions = vec![Vec3::ZERO; 3];
-        scene.meshes[0].normals = vec![Vec3::ZERO; 3];
+        Arc::make_mut(&mut scene.meshes[0]).positions = vec![Vec3::ZERO; 3];
+        Arc::make_mut(&mut scene.meshes[0]).normals = vec![Vec3::ZERO; 3];
         let point = scene.surface_at(MeshId(0), 0, LEFT);
         assert!(point.shading_normal.is_normalized() && point.geometric_normal.is_normalized());
     }

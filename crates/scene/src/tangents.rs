@@ -1,83 +1,88 @@
-//! Tangents for normal maps where the file has none, by the averaging rules of MikkTSpace (Mikkelsen, "Simulation of
-//! Wrinkled Surfaces Revisited", 2008, section 3), which glTF asks for.
+//! Tangents for normal maps where the file has none: MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008), which
+//! glTF asks for and other tools bake with.
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3, Vec4};
+use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
+use glam::{Vec3, Vec4};
 
 use crate::Mesh;
 
-/// Corners that share a tangent: same position, normal and texture coordinates (as bits), same orientation of the texture.
-type Key = ([u32; 8], bool);
+/// A mesh as MikkTSpace reads it, and the tangents of its triangles' corners.
+struct Corners<'a> {
+    mesh: &'a Mesh,
+    set: usize,
+    tangents: Vec<[Option<Vec4>; 3]>,
+}
+
+impl Corners<'_> {
+    fn index(&self, triangle: usize, corner: usize) -> usize {
+        self.mesh.triangles[triangle][corner] as usize
+    }
+}
+
+impl Geometry for Corners<'_> {
+    fn num_faces(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _: usize) -> usize {
+        3
+    }
+
+    fn position(&self, triangle: usize, corner: usize) -> [f32; 3] {
+        self.mesh.positions[self.index(triangle, corner)].to_array()
+    }
+
+    fn normal(&self, triangle: usize, corner: usize) -> [f32; 3] {
+        self.mesh.normals[self.index(triangle, corner)].to_array()
+    }
+
+    fn tex_coord(&self, triangle: usize, corner: usize) -> [f32; 2] {
+        self.mesh.uvs[self.set][self.index(triangle, corner)].to_array()
+    }
+
+    fn set_tangent(&mut self, space: Option<TangentSpace>, triangle: usize, corner: usize) {
+        // MikkTSpace counts v upwards, glTF downwards.
+        let tangent = space.map(|space| Vec4::from(space.tangent_encoded()) * Vec4::new(1.0, 1.0, 1.0, -1.0));
+        // False for NaN. Where coordinates span no area there is none, or a default.
+        let normal = Vec3::from(self.normal(triangle, corner));
+        let serves = |t: Vec3| t.length_squared() > 0.5 && t.dot(normal).abs() < 0.01;
+        self.tangents[triangle][corner] = tangent.filter(|tangent| serves(tangent.truncate()));
+    }
+}
 
 /// The mesh with tangents along increasing u of coordinate set `set`, which it has.
 ///
-/// Each corner's tangent is the sum over the triangles that meet there, projected into the normal's plane, unit length,
-/// weighted by the corner's angle. Vertices between mirrored and unmirrored triangles are split. Where texture
-/// coordinates span no area, any tangent perpendicular to the normal serves.
+/// Vertices between triangles that need different tangents, as mirrored and unmirrored ones do, are split. Where texture coordinates span
+/// no area, any tangent perpendicular to the normal serves.
 pub fn generated(mut mesh: Mesh, set: usize) -> Mesh {
-    let key = |mesh: &Mesh, index: u32, upright: bool| -> Key {
-        let index = index as usize;
-        let (p, n, uv) = (mesh.positions[index], mesh.normals[index], mesh.uvs[set][index]);
-        ([p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y].map(f32::to_bits), upright)
-    };
-    let mut sums: HashMap<Key, DVec3> = HashMap::new();
-    let mut uprights = Vec::with_capacity(mesh.triangles.len());
-    for triangle in &mesh.triangles {
-        let corners = triangle.map(|index| mesh.positions[index as usize].as_dvec3());
-        let (along_u, upright) =
-            along_u(corners, triangle.map(|index| mesh.uvs[set][index as usize].as_dvec2()));
-        uprights.push(upright);
-        for (corner, &index) in triangle.iter().enumerate() {
-            let normal = mesh.normals[index as usize].as_dvec3();
-            let tangent = (along_u - normal * normal.dot(along_u)).normalize_or_zero();
-            let before = corners[(corner + 2) % 3] - corners[corner];
-            let after = corners[(corner + 1) % 3] - corners[corner];
-            let angle =
-                if before == DVec3::ZERO || after == DVec3::ZERO { 0.0 } else { before.angle_between(after) };
-            *sums.entry(key(&mesh, index, upright)).or_default() += tangent * angle;
-        }
-    }
+    let mut corners = Corners { mesh: &mesh, set, tangents: vec![[None; 3]; mesh.triangles.len()] };
+    // There is no way to fail: the error has no cases.
+    let _ = generate_tangents(&mut corners);
+    let of_corners = corners.tangents;
 
-    // A vertex keeps its index for the orientation that comes first, and is doubled for the other.
-    let mut taken: Vec<Option<bool>> = vec![None; mesh.positions.len()];
-    let mut doubles: HashMap<u32, u32> = HashMap::new();
-    let mut tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); mesh.positions.len()];
-    for (t, upright) in uprights.into_iter().enumerate() {
-        for corner in 0..3 {
-            let index = mesh.triangles[t][corner];
-            let sum = sums.get(&key(&mesh, index, upright)).copied().unwrap_or_default();
-            let normal = mesh.normals[index as usize];
-            let tangent = (sum.as_vec3() - normal * normal.dot(sum.as_vec3()))
-                .try_normalize()
-                .unwrap_or_else(|| normal.any_orthonormal_vector())
-                .extend(if upright { 1.0 } else { -1.0 });
-            let target = if *taken[index as usize].get_or_insert(upright) == upright {
-                index
-            } else {
-                *doubles.entry(index).or_insert_with(|| {
-                    tangents.push(Vec4::ZERO);
-                    duplicate_vertex(&mut mesh, index)
-                })
-            };
-            tangents[target as usize] = tangent;
-            mesh.triangles[t][corner] = target;
+    // A vertex keeps its index for the tangent that comes first, and is doubled for others.
+    let mut tangents: Vec<Option<Vec4>> = vec![None; mesh.positions.len()];
+    let mut doubles: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
+    for (triangle, of_triangle) in of_corners.into_iter().enumerate() {
+        for (corner, tangent) in of_triangle.into_iter().enumerate() {
+            let index = mesh.triangles[triangle][corner];
+            let tangent =
+                tangent.unwrap_or_else(|| mesh.normals[index as usize].any_orthonormal_vector().extend(1.0));
+            if *tangents[index as usize].get_or_insert(tangent) != tangent {
+                let double =
+                    *doubles.entry((index, tangent.to_array().map(f32::to_bits))).or_insert_with(|| {
+                        tangents.push(Some(tangent));
+                        duplicate_vertex(&mut mesh, index)
+                    });
+                mesh.triangles[triangle][corner] = double;
+            }
         }
     }
-    mesh.tangents = tangents;
+    mesh.tangents =
+        tangents.into_iter().map(|tangent| tangent.unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0))).collect();
     mesh
-}
-
-/// Direction of increasing u on the surface (not normalized), and whether the texture stands upright: seen from the
-/// front, v (which points down in glTF's pictures) runs clockwise from u. Then the bitangent `N x T` points up in the
-/// picture, as normal maps have it.
-fn along_u(p: [DVec3; 3], uv: [DVec2; 3]) -> (DVec3, bool) {
-    let (p1, p2) = (p[1] - p[0], p[2] - p[0]);
-    let (uv1, uv2) = (uv[1] - uv[0], uv[2] - uv[0]);
-    let determinant = uv1.perp_dot(uv2);
-    let along = p1 * uv2.y - p2 * uv1.y;
-    // Only the direction counts; dividing by the determinant would overflow where it is small.
-    (along * determinant.signum() * f64::from(u8::from(determinant != 0.0)), determinant <= 0.0)
 }
 
 /// Appends a copy of a vertex and returns its index.

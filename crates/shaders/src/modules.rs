@@ -56,23 +56,8 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "debug_view", slots: &[] },
     Entry { module: "downsample", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
-    Entry {
-        module: "light",
-        slots: &[(
-            "shadow",
-            &[
-                "shadow_none",
-                "shadow_hard",
-                "shadow_hard_linear",
-                "shadow_pcf",
-                "shadow_pcss",
-                "shadow_moments",
-                "shadow_convolution",
-                "shadow_convolution_anisotropic",
-                "shadow_convolution_sat",
-            ],
-        )],
-    },
+    Entry { module: "light", slots: &[("shadow", SHADOWS)] },
+    Entry { module: "light", slots: &[("shadow", &["shadow_buffered"])] },
     Entry { module: "moments", slots: &[] },
     Entry { module: "present", slots: &[] },
     Entry { module: "radiance_cache", slots: &[] },
@@ -81,6 +66,20 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "shadow_map", slots: &[] },
     Entry { module: "summed_area", slots: &[] },
     Entry { module: "transform", slots: &[] },
+    Entry { module: "visibility", slots: &[("shadow", SHADOWS)] },
+];
+
+/// Every shadow technique with a function of its own.
+const SHADOWS: &[&str] = &[
+    "shadow_none",
+    "shadow_hard",
+    "shadow_hard_linear",
+    "shadow_pcf",
+    "shadow_pcss",
+    "shadow_moments",
+    "shadow_convolution",
+    "shadow_convolution_anisotropic",
+    "shadow_convolution_sat",
 ];
 
 /// Names of all modules.

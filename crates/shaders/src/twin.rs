@@ -3,6 +3,8 @@
 //! BRDFs have their twins in `gnomon-brdf`, form factors in `gnomon-lights`, tone mapping in `gnomon-picture`, SH in `gnomon-envmap`.
 
 pub mod depth_moments;
+pub mod gbuffer_packing;
+pub mod half_pairs;
 pub mod hemisphere;
 pub mod math;
 pub mod resample;

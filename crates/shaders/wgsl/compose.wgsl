@@ -7,7 +7,7 @@
 
 // Radiance of every sample: unshadowed light, what the lights' sums make of it, emission; or the environment itself.
 
-@group(GROUP_PASS) @binding(4) var radiance: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(6) var radiance: texture_storage_2d<rgba32float, write>;
 
 // Irradiance of the whole environment on a normal in its frame, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {

@@ -115,7 +115,7 @@ fn series_visibility(light: u32, position_world: vec3f, normal_world: vec3f) -> 
     return sharpen(clean, blocker_distance, parameters.sharpening_a, parameters.sharpening_b);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
+fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let lit = series_visibility(light, position_world, normal_world);
     if parameters.contact_samples == 0u || lit == 0.0 {
         return lit;

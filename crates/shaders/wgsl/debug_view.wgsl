@@ -10,7 +10,7 @@
 @group(GROUP_FRAME) @binding(3) var depth_maps: texture_depth_2d_array;
 @group(GROUP_FRAME) @binding(4) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
 
-@group(GROUP_PASS) @binding(4) var picture: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
 
 // Around what is shown, and where there is nothing to show.
 const EMPTY: vec3f = vec3f(0.01, 0.012, 0.016);
@@ -39,7 +39,7 @@ fn points_of(sample: vec2u) -> vec3f {
     if view.shadow_sampling > 1u && point_of_sample[sample.y * view.size.x + sample.x] != NO_POINT {
         return vec3f(1.0, 0.12, 0.01);
     }
-    let albedo = luminance(textureLoad(gbuffer_base_color_metallic, gbuffer_texel(sample), 0).rgb);
+    let albedo = luminance(base_color_at(sample));
     return vec3f(0.02 + 0.08 * albedo);
 }
 
@@ -56,7 +56,7 @@ fn surface_view(sample: vec2u, depth: f32) -> vec3f {
             return grey(1.0 - 0.9 * saturate((along - parameters.least_depth) / parameters.depth_range));
         }
         case VIEW_BASE_COLOR: {
-            return textureLoad(gbuffer_base_color_metallic, gbuffer_texel(sample), 0).rgb;
+            return base_color_at(sample);
         }
         case VIEW_SHADOW_BUFFER: {
             let sums = sums_at(sample, position_world, n);

@@ -1,13 +1,13 @@
 #import sample_places
 #import brdf_models
+#import gbuffer_packing
+#import materials
 
 // What is seen through the samples of the picture.
 
-@group(GROUP_SURFACE) @binding(0) var gbuffer_depth: texture_depth_2d;
-@group(GROUP_SURFACE) @binding(1) var gbuffer_normals: texture_2d<f32>;
-@group(GROUP_SURFACE) @binding(2) var gbuffer_base_color_metallic: texture_2d<f32>;
-@group(GROUP_SURFACE) @binding(3) var gbuffer_f0_f90: texture_2d<f32>;
-@group(GROUP_SURFACE) @binding(4) var gbuffer_emissive_roughness: texture_2d<f32>;
+@group(GROUP_SURFACE) @binding(1) var gbuffer_depth: texture_depth_2d;
+@group(GROUP_SURFACE) @binding(2) var gbuffer_geometry: texture_2d<u32>;
+@group(GROUP_SURFACE) @binding(3) var gbuffer_reflectance: texture_2d<u32>;
 
 struct Surface {
     position_world: vec3f,
@@ -43,35 +43,46 @@ fn position_at(sample: vec2u, depth: f32) -> vec3f {
 }
 
 fn normal_at(sample: vec2u) -> vec3f {
-    return octahedral_decode(textureLoad(gbuffer_normals, gbuffer_texel(sample), 0).xy);
+    return unpack_normal(textureLoad(gbuffer_geometry, gbuffer_texel(sample), 0).x);
 }
 
-// The model that the G-buffer's metallic share stands for.
-fn model_from_code(metallic: f32) -> u32 {
-    return u32(max(0.5 - metallic, 0.0));
+fn packed_surface_at(sample: vec2u) -> PackedSurface {
+    let texel = gbuffer_texel(sample);
+    return unpack_surface(textureLoad(gbuffer_geometry, texel, 0), textureLoad(gbuffer_reflectance, texel, 0));
+}
+
+fn base_color_at(sample: vec2u) -> vec3f {
+    let packed = packed_surface_at(sample);
+    return materials[packed.material].base_color.rgb * packed.base_color;
+}
+
+// Tint of the interface above a material's matte part (KHR_materials_ior and KHR_materials_specular).
+fn interface_tint(material: Material, packed: PackedSurface) -> vec4f {
+    let r = (material.ior - 1.0) / (material.ior + 1.0);
+    let specular = material.specular * packed.specular;
+    return vec4f(min(r * r * material.specular_color * packed.specular_color, vec3f(1.0)) * specular, specular);
+}
+
+fn lobe_of(material: Material, packed: PackedSurface) -> Lobe {
+    let metal = vec4f(material.base_color.rgb * packed.base_color, 1.0);
+    let tint = mix(interface_tint(material, packed), metal, material.metallic * packed.metallic);
+    return Lobe(material.model, material.shape * packed.roughness, tint);
 }
 
 // What a sample of a depth above 0 shows.
 fn surface_at(sample: vec2u, depth: f32) -> Surface {
-    let texel = gbuffer_texel(sample);
-    let normals = textureLoad(gbuffer_normals, texel, 0);
-    let base_color_metallic = textureLoad(gbuffer_base_color_metallic, texel, 0);
-    let f0_f90 = textureLoad(gbuffer_f0_f90, texel, 0);
-    let emissive_roughness = textureLoad(gbuffer_emissive_roughness, texel, 0);
-    // Negative: another model than metallic-roughness, its colours mixed already.
-    let code = base_color_metallic.a;
-    let metallic = max(code, 0.0);
-
+    let packed = packed_surface_at(sample);
+    let material = materials[packed.material];
     var surface: Surface;
     surface.position_world = position_at(sample, depth);
-    surface.n = octahedral_decode(normals.xy);
-    surface.geometric_normal = octahedral_decode(normals.zw);
+    surface.n = packed.frame.n;
+    surface.geometric_normal = packed.geometric_normal;
     surface.wo = normalize(view.eye_world.xyz - surface.position_world * view.eye_world.w);
-    surface.diffuse_color = base_color_metallic.rgb * (1.0 - metallic);
-    surface.frame = frame_from_normal(surface.n);
-    surface.interface_tint = f0_f90;
-    let tint = mix(f0_f90, vec4f(base_color_metallic.rgb, 1.0), metallic);
-    surface.lobe = Lobe(model_from_code(code), emissive_roughness.a, tint);
-    surface.emission = emissive_roughness.rgb;
+    surface.frame = packed.frame;
+    surface.diffuse_color =
+        material.base_color.rgb * packed.base_color * (1.0 - material.metallic * packed.metallic);
+    surface.interface_tint = interface_tint(material, packed);
+    surface.lobe = lobe_of(material, packed);
+    surface.emission = material.emissive * packed.emission;
     return surface;
 }

@@ -1,12 +1,15 @@
 #import gbuffer_surface
 #import shadow_buffer
+#import packed_sums
 
-// Inputs of the passes that make a picture of the sums; their output is binding 4.
+// Inputs of the passes that make a picture of the sums; their output is binding 6.
 
 @group(GROUP_PASS) @binding(0) var<storage, read> points: array<ShadingPoint>;
 @group(GROUP_PASS) @binding(1) var<storage, read> point_of_tile: array<u32>;
 @group(GROUP_PASS) @binding(2) var<storage, read> point_of_sample: array<u32>;
-@group(GROUP_PASS) @binding(3) var<storage, read> light_sums: array<LightSums>;
+@group(GROUP_PASS) @binding(3) var<storage, read> diffuse_sums: array<vec4u>;
+@group(GROUP_PASS) @binding(4) var<storage, read> specular_sums: array<u32>;
+@group(GROUP_PASS) @binding(5) var<storage, read> near_sums: array<u32>;
 
 fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
     (*sums).diffuse_unshadowed += weight * more.diffuse_unshadowed;
@@ -27,13 +30,13 @@ fn sums_at(sample: vec2u, position_world: vec3f, n: vec3f) -> LightSums {
     if view.shadow_sampling == 1u {
         let point = point_of_tile[sample.y * tiles.x + sample.x];
         if point != NO_POINT {
-            sums = light_sums[point];
+            sums = load_sums(point);
         }
         return sums;
     }
     let own = point_of_sample[sample.y * view.size.x + sample.x];
     if own != NO_POINT {
-        return light_sums[own];
+        return load_sums(own);
     }
     let normal_power = normal_power_at(sample);
     var weights = 0.0;
@@ -43,7 +46,7 @@ fn sums_at(sample: vec2u, position_world: vec3f, n: vec3f) -> LightSums {
             let point = point_of_tile[u32(tile.y) * tiles.x + u32(tile.x)];
             if point != NO_POINT {
                 let weight = point_weight(points[point], sample, position_world, n, normal_power);
-                add_weighted(&sums, weight, light_sums[point]);
+                add_weighted(&sums, weight, load_sums(point));
                 weights += weight;
             }
         }

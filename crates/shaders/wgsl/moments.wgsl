@@ -1,4 +1,4 @@
-#import shadow_frame
+#import types
 #import depth_moments
 
 // Moments of all lights' shadow maps.
@@ -11,6 +11,6 @@ fn moments(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(depth_maps)) {
         return;
     }
-    let z = linear_from_stored_depth(id.z, textureLoad(depth_maps, id.xy, id.z, 0));
+    let z = textureLoad(depth_maps, id.xy, id.z, 0);
     textureStore(moment_maps, id.xy, id.z, depth_moments(2.0 * z - 1.0));
 }

@@ -17,21 +17,3 @@ fn hammersley(i: u32, count: u32) -> vec2f {
     let radical_inverse = f32(reverseBits(i) >> 8u) / 16777216.0;
     return vec2f((f32(i) + 0.5) / f32(count), radical_inverse + 0.5 / exp2(ceil(log2(f32(count)))));
 }
-
-// Three hashed integers of three integers (Jarzynski and Olano 2020, pcg3d).
-fn pcg3d(seed: vec3u) -> vec3u {
-    var v = seed * 1664525u + 1013904223u;
-    v.x += v.y * v.z;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v ^= v >> vec3u(16u);
-    v.x += v.y * v.z;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    return v;
-}
-
-// Two numbers in [0, 1) that differ from place to place without pattern.
-fn noise(position: vec3f) -> vec2f {
-    return vec2f(pcg3d(bitcast<vec3u>(position)).xy >> vec2u(8u)) / 16777216.0;
-}

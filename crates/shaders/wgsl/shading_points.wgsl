@@ -32,8 +32,12 @@ fn append(wanted: bool, local: u32, sample: vec2u, depth: f32) -> u32 {
     if !wanted || place >= arrayLength(&points) {
         return NO_POINT;
     }
-    points[place] =
-        ShadingPoint(position_at(sample, depth), sample.y * view.size.x + sample.x, normal_at(sample));
+    let position = position_at(sample, depth);
+    points[place] = ShadingPoint(
+        array(position.x, position.y, position.z),
+        sample.y * view.size.x + sample.x,
+        pack2x16float(octahedral_encode(normal_at(sample))),
+    );
     return place;
 }
 

@@ -3,10 +3,8 @@
 
 // Exponent of n . n' for a sample that shows a surface.
 fn normal_power_at(sample: vec2u) -> f32 {
-    let texel = gbuffer_texel(sample);
-    let metallic = textureLoad(gbuffer_base_color_metallic, texel, 0).a;
-    let tint = vec4f(max(metallic, textureLoad(gbuffer_f0_f90, texel, 0).a));
-    let lobe = Lobe(model_from_code(metallic), textureLoad(gbuffer_emissive_roughness, texel, 0).a, tint);
+    let packed = packed_surface_at(sample);
+    let lobe = lobe_of(materials[packed.material], packed);
     let roughness = reflectance_equivalent_roughness(lobe);
     return resample_normal_power(select(1.0, alpha_from_roughness(roughness), has_lobe(lobe)));
 }
@@ -18,6 +16,8 @@ fn point_weight(point: ShadingPoint, sample: vec2u, position_world: vec3f, n: ve
     // Homogeneous w is the distance along the view, or 1 in a parallel one.
     let w = dot(vec4f(view.clip_from_world[0].w, view.clip_from_world[1].w, view.clip_from_world[2].w, view.clip_from_world[3].w),
         vec4f(position_world, 1.0));
-    let height = dot(n, point.position_world - position_world) / (side * view.sample_extent * w);
-    return resample_weight((place - sample_place(sample)) / side, height, dot(n, point.normal), normal_power);
+    let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
+    let normal = octahedral_decode(unpack2x16float(point.normal));
+    let height = dot(n, position - position_world) / (side * view.sample_extent * w);
+    return resample_weight((place - sample_place(sample)) / side, height, dot(n, normal), normal_power);
 }

@@ -28,16 +28,6 @@ fn share_in_map(uv: vec2f, texel_width: f32) -> f32 {
     return inside.x * inside.y;
 }
 
-// Linear depth of what a depth map stores: perspective maps are drawn with linear depth, too.
-fn linear_from_stored_depth(light: u32, stored: f32) -> f32 {
-    return stored;
-}
-
-// Its inverse: what a depth map stores for a point of linear depth `linear`.
-fn stored_from_linear_depth(light: u32, linear: f32) -> f32 {
-    return linear;
-}
-
 // Width, as a share of the map's side, of the light's footprint at a receiver of linear depth `d` behind a blocker of linear depth `z`,
 // per unit of the light's own size: the penumbra (Annen et al. 2008, section 3).
 fn footprint_scale_uv(light: u32, d: f32, z: f32) -> f32 {

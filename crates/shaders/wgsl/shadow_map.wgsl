@@ -1,10 +1,10 @@
 #import types
 
-// Linear depth of the scene seen from every light; the draw's first instance picks the light.
+// Depth of the scene seen from every light; the draw's first instance picks the light.
 
 @group(GROUP_PASS) @binding(0) var<storage, read> lights: array<Light>;
 
-// Of a distant light: the orthographic z is linear already.
+// As the rasteriser has it: linear where the map is orthographic.
 @vertex
 fn shadow_map(@location(0) position_world: vec4f, @builtin(instance_index) light: u32) -> @builtin(position) vec4f {
     return lights[light].light_from_world * vec4f(position_world.xyz, 1.0);
@@ -15,9 +15,9 @@ struct PerspectiveDepth {
     @location(0) linear_depth: f32,
 }
 
-// Of a light in the scene. The depth that perspective gives is not linear; every fragment writes the distance instead.
+// Linear under a perspective: every fragment writes the distance.
 @vertex
-fn perspective_shadow_map(
+fn linear_shadow_map(
     @location(0) position_world: vec4f,
     @builtin(instance_index) light: u32,
 ) -> PerspectiveDepth {

@@ -23,26 +23,24 @@ fn filtered_blockers(light: u32, uv: vec2f, d: f32, width_uv: f32) -> vec2f {
     return vec2f(found.x, 0.5 * found.y + 0.5);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
+fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
     }
-    // A tilted receiver's own surface spreads over so much depth per unit of kernel width.
-    let slope = parameters.slope_bias * length(receiver_depth_gradient(light, position, normal_world, receiver));
     let outline = lit_box(light, position_world, normal_world);
     let footprint = parameters.footprint_scale * length(outline.half_extent) / sqrt(6.0 * LOOKUP_VARIANCE);
     let d = receiver.z - parameters.depth_bias;
 
     let search_scale = footprint_scale_uv(light, receiver.w, 0.0);
     let search_width = footprint * search_scale;
-    let search = filtered_blockers(light, receiver.xy + search_scale * outline.center, d - slope * search_width, search_width);
+    let search = filtered_blockers(light, receiver.xy + search_scale * outline.center, d, search_width);
     if search.x < FULLY_LIT {
         return 1.0;
     }
     let scale = footprint_scale_uv(light, receiver.w, min(search.y, receiver.z));
     let width = footprint * scale;
-    let shadow = filtered_blockers(light, receiver.xy + scale * outline.center, d - slope * width, width).x;
+    let shadow = filtered_blockers(light, receiver.xy + scale * outline.center, d, width).x;
     return 1.0 - min(parameters.intensity_scale * shadow, 1.0);
 }

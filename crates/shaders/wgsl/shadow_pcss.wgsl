@@ -20,7 +20,7 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
         let offset = scale * outline_point(outline, i, parameters.search_samples);
         // The map's margin is empty, so that clamping to it finds nothing.
         let texel = clamp(vec2i((receiver.xy + offset) * vec2f(size)), vec2i(0), size - 1);
-        let z = linear_from_stored_depth(light, textureLoad(depth_maps, texel, light, 0));
+        let z = textureLoad(depth_maps, texel, light, 0);
         if z < receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias {
             sum += z;
             count += 1.0;
@@ -29,7 +29,7 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
     return vec2f(sum / max(count, 1.0), count);
 }
 
-fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
+fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
@@ -37,11 +37,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) 
     }
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
-    var jitter = fract(f32(light) * vec2f(0.7548777, 0.5698403));
-    if parameters.rotate_per_pixel != 0u {
-        jitter = fract(jitter + noise(position_world));
-    }
-    let outline = light_outline(light, jitter);
+    let outline = light_outline(light, fract(f32(light) * vec2f(0.7548777, 0.5698403)));
     let blockers = blocker_search(light, outline, receiver, gradient);
     if blockers.y == 0.0 {
         return 1.0;
@@ -59,8 +55,7 @@ fn visibility(light: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) 
         }
         let offset = scale * point;
         let d = receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias;
-        let stored = stored_from_linear_depth(light, d);
-        lit += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, stored);
+        lit += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, d);
     }
     return lit / max(weights, 1e-9);
 }

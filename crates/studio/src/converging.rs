@@ -211,12 +211,14 @@ fn mean(picture: &RgbImage) -> f64 {
 mod tests {
     use std::time::{Duration, Instant};
 
+    use gnomon_options::Given;
+
     use super::*;
     use crate::look::CameraLook;
     use crate::{Look, Project, Slices, Threads, environment_named};
 
     fn stage() -> Stage {
-        let mut project = Project::open("terrain", Look::default(), None).unwrap();
+        let mut project = Project::open("terrain", Look::default(), &Given::default()).unwrap();
         project.set_environment(environment_named("room"));
         Stage::new(project).unwrap()
     }

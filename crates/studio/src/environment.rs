@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnomon_envmap::{Equirect, builtin, load};
-use gnomon_lights::{FitOptions, LightSet, fit};
+use gnomon_lights::LightSet;
+use gnomon_lights::fit::FitSettings;
 use gnomon_renderer::{PreparedLighting, RenderSettings};
 use gnomon_scene_files::EnvironmentSource;
 
-use crate::look::{EnvironmentLook, FitLook};
+use crate::look::EnvironmentLook;
 use crate::{Look, Stage, StudioError};
 
 /// What a name means: a built-in environment, or else a file. Whoever means a file called like a built-in one writes `./room`.
@@ -58,12 +59,11 @@ fn no_environment(name: &str, names: &str) -> StudioError {
 ///
 /// # Errors
 /// Unknown fit, option out of range.
-pub fn fit_lights(fit: &FitLook, ground: bool, environment: &Equirect) -> Result<LightSet, StudioError> {
-    if fit.method == "none" {
-        return Ok(LightSet::new("none", Vec::new(), environment.clone()));
-    }
-    let options = FitOptions { ground, ..fit.options()? };
-    Ok(fit::by_name(&fit.method, &options)?.fit(environment)?)
+pub fn fit_lights(fit: &FitSettings, ground: bool, environment: &Equirect) -> Result<LightSet, StudioError> {
+    Ok(match fit.fit(ground)? {
+        Some(fit) => fit.fit(environment)?,
+        None => LightSet::new("none", Vec::new(), environment.clone()),
+    })
 }
 
 /// An environment, or where to get it.
@@ -103,10 +103,7 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
         }
     };
     let lights = fit_lights(&look.fit, ground, &map)?;
-    let settings = RenderSettings::default().with(|s| {
-        s.lighting.ambient = look.render.ambient.clone();
-        s.lighting.ambient_cells = look.render.ambient_cells;
-    });
+    let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
     let prepared = PreparedLighting::new(&map, &lights, &settings)?;
     Ok(LightingResult { map, lights, prepared, warnings, look, ground })
 }

@@ -32,6 +32,9 @@ pub enum StudioError {
         /// The system's reason.
         source: io::Error,
     },
+    /// An option cannot be what it is.
+    #[error(transparent)]
+    Option(#[from] gnomon_options::OptionError),
     /// The scene cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),

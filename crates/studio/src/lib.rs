@@ -8,7 +8,7 @@
 //! use gnomon_studio::{Look, Project, Stage, Studio, environment_named};
 //!
 //! # fn main() -> Result<(), gnomon_studio::StudioError> {
-//! let mut project = Project::open("robot.glb", Look::default(), None)?;
+//! let mut project = Project::open("robot.glb", Look::default(), &Default::default())?;
 //! project.set_environment(environment_named("room"));
 //! let gpu = Gpu::new(&GpuOptions::default())?;
 //! let mut studio = Studio::new(&gpu, Stage::new(project)?)?;
@@ -39,10 +39,7 @@ pub use error::StudioError;
 pub use executor::Threads;
 pub use executor::{Executor, Slices, Task, default_executor};
 pub use frame_rate::{DrawnFrame, FrameRate};
-pub use look::{
-    AnimationLook, CameraLook, DisplayLook, EnvironmentLook, FitLook, Look, PrefilterName, RenderLook,
-    SizingName,
-};
+pub use look::{AnimationLook, CameraLook, EnvironmentLook, Look, PictureSettings};
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
 pub use stage::Stage;

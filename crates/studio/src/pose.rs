@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn the_first_clip_is_meant_whatever_clips_are_called() {
         for names in [["walk", "0"], ["", ""], ["run", "run"], ["1", "0"]] {
-            let named = |name: &str| Animation { name: name.to_owned(), ..Animation::default() };
+            let named = |name: &str| Animation { name: name.to_owned(), ..Animation::default() }.into();
             let scene = Scene { animations: names.map(named).to_vec(), ..Scene::default() };
             assert_eq!(clip_index(&scene, &first_clip(&scene).unwrap()).unwrap(), 0, "{names:?}");
         }

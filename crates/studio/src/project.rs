@@ -3,11 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use gnomon_lights::fit::FitSettings;
+use gnomon_options::Given;
+use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{EnvironmentSource, LoadOptions, LoadedScene, load, read_sections};
 use serde::Deserialize;
 
-use crate::look::{AnimationLook, CameraLook, DisplayLook, FitLook, RenderLook};
+use crate::look::{AnimationLook, CameraLook, PictureSettings};
 use crate::{Look, StudioError};
 
 /// Where a scene comes from.
@@ -51,12 +54,15 @@ pub struct Project {
 
 /// Tables of a scene file that say how it is drawn.
 #[derive(Default, Deserialize)]
+#[serde(default)]
 struct Sections {
-    fit: Option<FitLook>,
-    render: Option<RenderLook>,
-    display: Option<DisplayLook>,
+    #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
+    fit: Given,
+    #[serde(deserialize_with = "Given::deserialize::<(LightingSettings, TechniqueSettings), _>")]
+    render: Given,
+    #[serde(deserialize_with = "Given::deserialize::<(PictureSettings, DisplaySettings), _>")]
+    display: Given,
     animation: Option<AnimationLook>,
-    #[serde(default)]
     surface: Vec<SurfaceEntry>,
 }
 
@@ -69,38 +75,27 @@ struct SurfaceEntry {
 }
 
 impl Project {
-    /// Loads a scene to be looked at as `look` says. What the scene file says goes before it, table by table; camera, animation, ground
-    /// and surfaces are always the scene's own. `size` goes before the file's picture size.
+    /// Loads a scene to be looked at as `look` says. What the scene file says goes before it, option by option, and what is
+    /// `given` before both; camera, animation, ground and surfaces are always the scene's own.
     ///
     /// # Errors
     /// Names of nothing, files that cannot be used.
-    pub fn open(name: &str, look: Look, size: Option<[u32; 2]>) -> Result<Self, StudioError> {
-        Self::open_source(SceneSource::named(name), look, size)
+    pub fn open(name: &str, look: Look, given: &Given) -> Result<Self, StudioError> {
+        Self::open_source(SceneSource::named(name), look, given)
     }
 
     /// [`Project::open`] of what need not be a name.
     ///
     /// # Errors
     /// As [`Project::open`].
-    pub fn open_source(
-        source: SceneSource,
-        mut look: Look,
-        size: Option<[u32; 2]>,
-    ) -> Result<Self, StudioError> {
+    pub fn open_source(source: SceneSource, mut look: Look, given: &Given) -> Result<Self, StudioError> {
         let sections = match &source {
             SceneSource::Builtin(_) => None,
             SceneSource::File(path) if !path.exists() => return Err(no_scene(path)),
             SceneSource::File(path) => read_sections::<Sections>(path)?,
         };
         let Sections { fit, render, display, animation, surface } = sections.unwrap_or_default();
-        look.fit = fit.unwrap_or(look.fit);
-        look.render = render.unwrap_or(look.render);
-        let exposure = display.as_ref().and_then(|display| display.exposure);
-        look.display = display.map_or(look.display.clone(), |display| DisplayLook {
-            exposure: display.exposure.or(look.display.exposure),
-            ..display
-        });
-        look.display.size = size.unwrap_or(look.display.size);
+        [&fit, &render, &display, given].into_iter().for_each(|given| given.apply(&mut look));
         look.animation = animation.unwrap_or_default();
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
@@ -117,7 +112,7 @@ impl Project {
                 LoadedScene { scene, environment: None, ground: Ground::None }
             }
             SceneSource::File(path) => {
-                load(path, &LoadOptions { aspect: look.display.aspect(), ..LoadOptions::default() })?
+                load(path, &LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() })?
             }
         };
         look.ground = ground;
@@ -125,7 +120,9 @@ impl Project {
             look.environment.source = Some(own.source);
             look.environment.projection = own.projection;
             look.environment.rotation = own.rotation_degrees;
-            look.display.exposure = exposure.or(own.exposure_ev);
+            if !display.has("exposure") && !given.has("exposure") {
+                look.display.exposure = own.exposure_ev;
+            }
         }
         Ok(Self { source, scene, look })
     }

@@ -3,13 +3,15 @@
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
+use gnomon_lights::fit::FitSettings;
 use gnomon_picture::atomic;
+use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Camera, Ground, ReflectanceSettings};
 use gnomon_scene_files::EnvironmentSource;
 use serde::Serialize;
 use toml::{Table, Value};
 
-use crate::look::{AnimationLook, CameraLook, DisplayLook, FitLook, RenderLook};
+use crate::look::{AnimationLook, CameraLook, PictureSettings};
 use crate::{SceneSource, Stage, Studio, StudioError};
 
 /// The tables of a scene file that a look decides, in the order in which they are written.
@@ -19,9 +21,11 @@ struct LookTables<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     camera: Option<Camera>,
     environment: EnvironmentTable,
-    fit: &'a FitLook,
-    render: &'a RenderLook,
-    display: &'a DisplayLook,
+    fit: &'a FitSettings,
+    #[serde(serialize_with = "gnomon_options::serialize")]
+    render: (LightingSettings, TechniqueSettings),
+    #[serde(serialize_with = "gnomon_options::serialize")]
+    display: (PictureSettings, DisplaySettings),
     animation: &'a AnimationLook,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     surface: Vec<SurfaceTable<'a>>,
@@ -97,8 +101,8 @@ impl Stage {
                 exposure: "automatic",
             },
             fit: &look.fit,
-            render: &look.render,
-            display: &look.display,
+            render: (look.lighting.clone(), look.techniques.clone()),
+            display: (look.picture.clone(), look.display.clone()),
             animation: &look.animation,
             surface: all.into_iter().chain(single).collect(),
         };

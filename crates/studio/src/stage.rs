@@ -88,7 +88,9 @@ impl Bare {
     fn restore(&self, scene: &mut Scene) {
         scene.meshes.truncate(self.material_of_mesh.len());
         for (mesh, material) in scene.meshes.iter_mut().zip(&self.material_of_mesh) {
-            mesh.material = *material;
+            if mesh.material != *material {
+                Arc::make_mut(mesh).material = *material;
+            }
         }
         scene.nodes.truncate(self.nodes);
         scene.materials.clone_from(&self.materials);
@@ -136,7 +138,7 @@ impl Stage {
     ) -> Result<Self, StudioError> {
         let Project { source, mut scene, look } = project;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
-        let bare = Bare::of(&mut scene, look.display.aspect());
+        let bare = Bare::of(&mut scene, look.picture.aspect());
         let reach = reach(&mut scene, &look.animation)?;
         dress(&mut scene, &look, reach)?;
         let stands_on_ground = bare.dressed_stands_on_ground(&scene);
@@ -173,9 +175,9 @@ impl Stage {
     /// What the look's fit takes for this scene.
     ///
     /// # Errors
-    /// As [`crate::FitLook::options`].
+    /// As [`gnomon_lights::fit::FitSettings::options`].
     pub fn fit_options(&self) -> Result<FitOptions, StudioError> {
-        Ok(FitOptions { ground: self.stands_on_ground, ..self.look.fit.options()? })
+        Ok(self.look.fit.options(self.stands_on_ground)?)
     }
 
     /// The environment as it is drawn, but for its turn.
@@ -215,12 +217,12 @@ impl Stage {
     /// Whether the automatic camera of a scene that is loaded anew, for pictures of this size, is the present one: a lens that a file gives by
     /// its vertical angle is that of the aspect at loading.
     pub(crate) fn reloads_its_camera(&self) -> bool {
-        self.scene.cameras.is_empty() || self.look.display.aspect() == self.bare.aspect
+        self.scene.cameras.is_empty() || self.look.picture.aspect() == self.bare.aspect
     }
 
     /// A view that frames the scene's models: as they are at rest, or wherever the look's clip takes them.
     pub fn framing(&self) -> Camera {
-        camera_around(self.reach, self.look.display.aspect())
+        camera_around(self.reach, self.look.picture.aspect())
     }
 
     /// The middle of what [`Stage::framing`] frames [m].

@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
-use gnomon_renderer::{Gpu, RenderSettings, Renderer};
+use gnomon_lights::fit::FitSettings;
+use gnomon_options::Options;
+use gnomon_renderer::{Gpu, LightingSettings, MeasureSettings, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Scene};
 
 use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
-use crate::look::{EnvironmentLook, FitLook, RenderLook};
+use crate::look::EnvironmentLook;
 use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
 mod drawing;
@@ -24,12 +26,12 @@ use take_over::{LoadedStage, SceneRequest};
 /// | change | work |
 /// |---|---|
 /// | camera | none |
-/// | exposure, tone mapping, background | settings of the next frame |
+/// | [`Look::display`]: exposure, tone mapping, background | settings of the next frame |
 /// | the environment's rotation | directions of the lights |
 /// | clip, time | a pose to the GPU |
 /// | reflectance | materials to the GPU |
-/// | techniques, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
-/// | light fit, ambient rest, another environment | background work; then an upload |
+/// | [`Look::techniques`]: visibility, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
+/// | [`Look::fit`], [`Look::lighting`], another environment | background work; then an upload |
 /// | another scene | background work; then an upload |
 ///
 /// Background work is done where an [`Executor`] says, by default on threads. [`Studio::poll`] takes its results over; frames go on
@@ -55,11 +57,10 @@ pub struct Studio {
 #[derive(Clone, Debug, PartialEq)]
 struct LightingKey {
     environment: EnvironmentLook,
-    fit: FitLook,
+    fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
-    ambient: String,
-    ambient_cells: usize,
+    lighting: LightingSettings,
 }
 
 impl LightingKey {
@@ -69,8 +70,7 @@ impl LightingKey {
             environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
-            ambient: look.render.ambient.clone(),
-            ambient_cells: look.render.ambient_cells,
+            lighting: look.lighting.clone(),
         }
     }
 
@@ -83,8 +83,7 @@ impl LightingKey {
         look.environment =
             EnvironmentLook { rotation: look.environment.rotation, ..self.environment.clone() };
         look.fit = self.fit.clone();
-        look.render.ambient = self.ambient.clone();
-        look.render.ambient_cells = self.ambient_cells;
+        look.lighting = self.lighting.clone();
     }
 }
 
@@ -116,7 +115,7 @@ impl Studio {
     /// As [`Studio::new`].
     pub fn with_executor(gpu: &Gpu, stage: Stage, executor: Arc<dyn Executor>) -> Result<Self, StudioError> {
         let LightingResult { lights, prepared, .. } = work_out_stage(&stage)?;
-        let mut renderer = Renderer::new(gpu, stage.look().settings(stage.exposure())?)?;
+        let mut renderer = Renderer::new(gpu, stage.look().settings(stage.exposure()))?;
         renderer.set_scene(stage.scene())?;
         renderer.set_environment_rotation(stage.world_from_environment())?;
         renderer.set_prepared_lighting(prepared)?;
@@ -209,8 +208,8 @@ impl Studio {
         }
         // Names that only a thread would look up are told at once.
         look.environment.projection()?;
-        look.fit.check()?;
-        look.settings(0.0)?.check()?;
+        look.check()?;
+        look.fit.fit(false)?;
         let change = self.stage.change_look(look)?;
         if change.dressed {
             self.renderer.set_materials(self.stage.scene())?;
@@ -225,11 +224,8 @@ impl Studio {
 
     /// Techniques and display, where they are others than those of `was`.
     fn apply_settings(&mut self, was: &Look) -> Result<(), StudioError> {
-        let (settings, look) = (self.settings()?, self.stage.look());
-        // The ambient rest belongs to the lighting, which a thread works out.
-        let drawn =
-            |render: &RenderLook| RenderLook { ambient: String::new(), ambient_cells: 0, ..render.clone() };
-        if drawn(&look.render) != drawn(&was.render) {
+        let (settings, look) = (self.settings(), self.stage.look());
+        if look.techniques != was.techniques {
             self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
         } else if look.display != was.display {
             self.renderer.set_display(settings.display)?;
@@ -238,14 +234,12 @@ impl Studio {
     }
 
     /// The renderer's settings: the look's, with the ambient rest that is in force.
-    fn settings(&self) -> Result<RenderSettings, StudioError> {
-        let settings = self.look().settings(self.stage.exposure())?;
-        let LightingKey { ambient, ambient_cells, .. } = &self.lit_for;
-        Ok(settings.with(|s| {
-            s.lighting.ambient = ambient.clone();
-            s.lighting.ambient_cells = *ambient_cells;
-            s.measure.profile = self.times_passes();
-        }))
+    fn settings(&self) -> RenderSettings {
+        RenderSettings {
+            lighting: self.lit_for.lighting.clone(),
+            measure: MeasureSettings { profile: self.times_passes() },
+            ..self.look().settings(self.stage.exposure())
+        }
     }
 
     /// The view that frames are drawn from.

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use gnomon_envmap::Equirect;
 use gnomon_metrics::relative_rmse;
+use gnomon_options::Given;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, render};
 use gnomon_renderer::{Gpu, GpuOptions};
@@ -28,10 +29,11 @@ fn gpu() -> Option<Gpu> {
 fn project(name: &str) -> Project {
     let mut look = Look::default();
     look.fit.light_count = Some(8);
-    look.render.ambient = "unshadowed".to_owned();
-    look.render.shadow_resolution = 64;
-    look.render.supersample = 1;
-    let mut project = Project::open(name, look, Some(SIZE)).unwrap();
+    look.lighting.ambient = "unshadowed".to_owned();
+    look.techniques.shadow_resolution = 64;
+    look.techniques.supersample = 1;
+    look.picture.size = SIZE;
+    let mut project = Project::open(name, look, &Given::default()).unwrap();
     project.set_environment(environment_named("room"));
     project.look.ground = Ground::Plane;
     project

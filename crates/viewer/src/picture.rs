@@ -191,7 +191,7 @@ impl Picture {
         let image = match self.shown {
             Shown::Difference => color_image(&reference.difference(radiance)?),
             _ => {
-                let rule = studio.look().display.tone_mapping().unwrap_or_default();
+                let rule = studio.look().display.tone_mapping;
                 color_image(&tone_mapped(&reference.mean, rule, studio.stage().exposure()))
             }
         };

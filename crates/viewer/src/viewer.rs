@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::Context;
 use eframe::egui_wgpu::RenderState;
+use gnomon_options::Given;
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
 use gnomon_renderer::lod::LodRange;
 use gnomon_renderer::{Gpu, RenderError};
@@ -123,7 +124,7 @@ impl Viewer {
         let (send, receive) = mpsc::channel();
         let open = move || -> Result<Box<Studio>, StudioError> {
             let scene = scene.unwrap_or_else(|| DEFAULT_SCENE.to_owned());
-            let mut project = Project::open(&scene, Look::default(), None)?;
+            let mut project = Project::open(&scene, Look::default(), &Given::default())?;
             let has_environment = project.look.environment.source.is_some();
             match environment {
                 Some(name) => project.set_environment(environment_named(&name)),
@@ -308,15 +309,15 @@ impl Viewer {
             return;
         }
         studio.set_profile(self.times);
-        let render = &studio.look().render;
-        let wanted = (window, render.supersample, render.shadow_sampling);
+        let techniques = &studio.look().techniques;
+        let wanted = (window, techniques.supersample, techniques.shadow_sampling);
         if wanted != self.least_divisor_of {
             (self.least_divisor, self.least_divisor_of) = (1, wanted);
         }
         let whole = window.map(|side| (side / self.least_divisor).max(1));
-        if studio.look().display.size != whole {
+        if studio.look().picture.size != whole {
             let frames_itself = studio.look().camera == CameraLook::Automatic;
-            self.edit(|look| look.display.size = whole);
+            self.edit(|look| look.picture.size = whole);
             if frames_itself {
                 self.take_view();
             }

@@ -1,12 +1,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gnomon::lights::{FitOptions, fit, preview};
-use gnomon::studio::FitLook;
+use gnomon::lights::fit::{self, FitSettings};
+use gnomon::lights::preview;
 use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
-use crate::options::{FitArgs, load_environment, projection};
+use crate::options::{Fitted, LookArgs, load_environment, projection};
 use crate::output;
 
 /// Take an environment apart into area lights and an ambient rest
@@ -27,7 +27,7 @@ pub struct DecomposeArgs {
     method: String,
 
     #[command(flatten)]
-    fit: FitArgs,
+    fit: LookArgs<Fitted>,
 
     /// For scenes that stand on a ground, which little light from below reaches: a partition of fewer than 48 lights, optimized or
     /// not, spends few of them there
@@ -72,10 +72,9 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     if let Some(path) = &args.preview {
         output::check(path, &["png"])?;
     }
-    let mut asked = FitLook::default();
-    args.fit.apply(&mut asked);
-    let options = FitOptions { ground: args.above_ground, ..asked.options()? };
-    let method = fit::by_name(&args.method, &options)?;
+    let mut asked = FitSettings::default();
+    args.fit.given.apply(&mut asked);
+    let method = fit::by_name(&args.method, &asked.options(args.above_ground)?)?;
     let spinner = terminal.spinner("fitting");
     let environment = load_environment(&args.environment, args.projection, args.env_rotation, terminal)?;
     let lights = method.fit(&environment)?;

@@ -51,9 +51,10 @@ const HEIGHT: u32 = 360;
 pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
     std::fs::create_dir_all(&args.output)
         .map_err(|source| CliError::Write { path: args.output.clone(), source })?;
-    let mut project = Project::open(&args.scene, Look::default(), Some([WIDTH, HEIGHT]))?;
+    let mut look = Look::default();
+    look.picture.size = [WIDTH, HEIGHT];
+    let mut project = Project::open(&args.scene, look, &args.gpu.look.given)?;
     project.set_environment(environment_named(&args.env));
-    args.gpu.apply(&mut project.look);
     let spinner = terminal.spinner("rendering");
     let gpu = Gpu::new(&GpuOptions { adapter: args.gpu.adapter.clone() })?;
     let mut studio = Studio::new(&gpu, stage(project, terminal)?)?;

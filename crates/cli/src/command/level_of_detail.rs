@@ -54,11 +54,11 @@ pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result
     }
     let best = LevelOfDetail {
         lights: look.fit.light_count.map_or(LodRange::default().best.lights, |count| count as u32),
-        shadow_resolution: look.render.shadow_resolution,
-        shadow_sampling: look.render.shadow_sampling,
+        shadow_resolution: look.techniques.shadow_resolution,
+        shadow_sampling: look.techniques.shadow_sampling,
     };
     let frame_rate = FrameRate::new(budget_ms, LodRange::up_to(best))?;
-    let [width, height] = look.display.size;
+    let [width, height] = look.picture.size;
     let mut studio = Studio::new(&Gpu::new(gpu_options)?, stage.clone())?;
     studio.hold_frame_rate(Some(frame_rate))?;
     let mut frames: Vec<DrawnFrame> = Vec::new();
@@ -84,8 +84,8 @@ impl Settled {
         let mut look = look.clone();
         look.fit.light_count = Some(self.level.lights as usize);
         look.fit.threshold = None;
-        look.render.shadow_resolution = self.level.shadow_resolution;
-        look.render.shadow_sampling = self.level.shadow_sampling;
+        look.techniques.shadow_resolution = self.level.shadow_resolution;
+        look.techniques.shadow_sampling = self.level.shadow_sampling;
         look
     }
 

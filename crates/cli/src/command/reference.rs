@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use gnomon::options::Given;
 use gnomon::reference::{ReferenceOptions, render};
 use gnomon_terminal::Terminal;
 
@@ -53,10 +54,10 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     if let Some(path) = &args.variance {
         output::check(path, &["exr"])?;
     }
-    let stage = stage(args.inputs.project()?, terminal)?;
+    let stage = stage(args.inputs.project(&Given::default())?, terminal)?;
     let options = ReferenceOptions {
-        width: stage.look().display.size[0],
-        height: stage.look().display.size[1],
+        width: stage.look().picture.size[0],
+        height: stage.look().picture.size[1],
         samples_per_pixel: args.spp,
         seed: args.seed,
         ..ReferenceOptions::default()
@@ -70,7 +71,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     let options = ReferenceOptions { progress: Some(&progress), ..options };
     let estimate = render(&scene, &camera, stage.environment(), &options)?;
     drop(bar);
-    let display = (stage.exposure(), stage.look().display.tone_mapping()?);
+    let display = (stage.exposure(), stage.look().display.tone_mapping);
     output::write_radiance(&args.output, &estimate.mean, display)?;
     if let Some(path) = &args.variance {
         gnomon::picture::write(path, &estimate.variance)?;

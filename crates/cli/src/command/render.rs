@@ -55,10 +55,6 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "debug")]
     debug_light: usize,
 
-    /// Show the environment behind the scene [default: the scene file's, or true]
-    #[arg(long, value_name = "BOOL")]
-    background: Option<bool>,
-
     /// Write a scene file that brings the same picture without these options
     #[arg(long, value_name = "SCENE.toml")]
     save_scene: Option<PathBuf>,
@@ -79,9 +75,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     for (path, extension) in [(&args.stats, "json"), (&args.save_scene, "toml")] {
         path.as_ref().map_or(Ok(()), |path| output::check(path, &[extension]))?;
     }
-    let mut project = args.inputs.project()?;
-    args.gpu.apply(&mut project.look);
-    project.look.display.background = args.background.unwrap_or(project.look.display.background);
+    let project = args.inputs.project(&args.gpu.look.given)?;
     let gpu_options = GpuOptions { adapter: args.gpu.adapter.clone() };
     let mut stage = stage(project, terminal)?;
     let settled = match args.level_of_detail.budget_ms() {
@@ -98,7 +92,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         return sequence::render(&args.sequence, files, &gpu_options, stage, terminal);
     }
     let spinner = terminal.spinner("rendering");
-    let [width, height] = stage.look().display.size;
+    let [width, height] = stage.look().picture.size;
     let mut studio = Studio::new(&Gpu::new(&gpu_options)?, stage)?;
     if let Some(view) = &args.debug {
         studio.renderer().set_debug_view(view, args.debug_light)?;
@@ -110,7 +104,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     // Debug views are no radiance: they are shown as they are.
     let shown = match args.debug {
         Some(_) => (0.0, ToneMapping::Linear),
-        None => (stage.exposure(), stage.look().display.tone_mapping()?),
+        None => (stage.exposure(), stage.look().display.tone_mapping),
     };
     output::write_radiance(&args.output, &frame.radiance, shown)?;
     if let Some(path) = &args.save_scene {
@@ -140,7 +134,7 @@ struct Times {
 impl Times {
     /// Draws a few frames more, of a studio that has drawn one, and a few whose passes are timed.
     fn measure(studio: &mut Studio) -> Result<Self, CliError> {
-        let [width, height] = studio.look().display.size;
+        let [width, height] = studio.look().picture.size;
         let frames = timed_frames(|| {
             let start = Instant::now();
             studio.draw(width, height)?;
@@ -178,7 +172,7 @@ fn stats(studio: &mut Studio, times: &Times) -> Value {
     let (adapter, bytes) = (json!(renderer.gpu().adapter()), renderer.shadow_bytes());
     let batches = renderer.shadow_batches();
     let (stage, lights) = (studio.stage(), studio.lights());
-    let [width, height] = stage.look().display.size;
+    let [width, height] = stage.look().picture.size;
     let shares = lights.flux_shares();
     json!({
         "width": width,

@@ -27,7 +27,7 @@ pub fn render(
 ) -> Result<(), CliError> {
     let gpu = Gpu::new(options)?;
     let job = Job::new(args, output, &stage, json!({ "gpu": gpu.adapter().name }))?;
-    let [width, height] = stage.look().display.size;
+    let [width, height] = stage.look().picture.size;
     let mut studio = Studio::new(&gpu, stage)?;
     if let Some(path) = save_scene {
         studio.save_scene(path)?;
@@ -76,10 +76,10 @@ enum Sink {
 impl Job {
     fn new(args: &SequenceArgs, output: &Path, stage: &Stage, how: Value) -> Result<Self, CliError> {
         let (sequence, frames) = args.sequence(stage)?;
-        let display = (stage.exposure(), stage.look().display.tone_mapping()?);
+        let display = (stage.exposure(), stage.look().display.tone_mapping);
         let count = frames.clone().count();
         let (sink, frames) = if output::is_film(output) {
-            let film = Film::start(output, stage.look().display.size, args.frames_per_second())?;
+            let film = Film::start(output, stage.look().picture.size, args.frames_per_second())?;
             (Sink::Film(film), frames.collect())
         } else {
             let description = sequence.description(stage, how);

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use gnomon::envmap::Projection;
+use gnomon::options::Given;
 use gnomon::scene::{Camera, Ground, ReflectanceSettings};
 use gnomon::scene_files::read_camera;
 use gnomon::studio::{CameraLook, Look, Project, Stage, environment_named};
@@ -9,7 +10,8 @@ use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
 use crate::options::environment::builtin_names;
-use crate::options::{Size, finite, projection, stops, tone_mapping};
+use crate::options::look::{LookArgs, Shown};
+use crate::options::{finite, projection};
 
 /// What is seen, under which light, from where.
 #[derive(Args, Debug)]
@@ -35,10 +37,6 @@ pub struct InputArgs {
     #[arg(long, value_name = "CAMERA")]
     camera: Option<String>,
 
-    /// Picture size in pixels [default: the scene file's, or 1024x768]
-    #[arg(long, value_name = "WxH")]
-    size: Option<Size>,
-
     /// Clip of an animated scene, by name or by number from 0 [default: the scene file's, or the model as it stands]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -57,13 +55,8 @@ pub struct InputArgs {
     #[arg(long, value_name = "MODEL")]
     reflectance: Option<ReflectanceSettings>,
 
-    /// Exposure of PNG output in stops [default: the scene file's, or what brings the environment's mean to 0.5]
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = stops)]
-    exposure: Option<f32>,
-
-    /// Tone mapping of PNG output: linear or neutral [default: the scene file's, or neutral]
-    #[arg(long, value_name = "NAME", value_parser = tone_mapping)]
-    tone_mapping: Option<String>,
+    #[command(flatten)]
+    look: LookArgs<Shown>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -82,13 +75,12 @@ impl From<GroundName> for Ground {
 }
 
 impl InputArgs {
-    /// Loads the scene, with a look of what its file says and what the command line says in its place.
+    /// Loads the scene, with a look of what its file says and what the command line says in its place, here and in `given`.
     ///
     /// # Errors
     /// Files that cannot be used, names of nothing, no environment.
-    pub fn project(&self) -> Result<Project, CliError> {
-        let size = self.size.map(|Size { width, height }| [width, height]);
-        let mut project = Project::open(&self.scene, Look::default(), size)?;
+    pub fn project(&self, given: &Given) -> Result<Project, CliError> {
+        let mut project = Project::open(&self.scene, Look::default(), &self.look.given.with(given))?;
         if let Some(name) = &self.env {
             project.set_environment(environment_named(name));
         }
@@ -104,10 +96,6 @@ impl InputArgs {
         environment.rotation = self.env_rotation.unwrap_or(environment.rotation);
         if let Some(projection) = self.projection {
             environment.projection = Some(projection.name().to_owned());
-        }
-        look.display.exposure = self.exposure.or(look.display.exposure);
-        if let Some(tone_mapping) = &self.tone_mapping {
-            look.display.tone_mapping.clone_from(tone_mapping);
         }
         if let Some(reflectance) = &self.reflectance {
             look.reflectance = Some(reflectance.clone());

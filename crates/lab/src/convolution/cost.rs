@@ -50,7 +50,7 @@ const PAPER: &[Paper] = &[
 const LEAST_PARTITION: usize = 6;
 
 /// Passes whose time is the lights'; the others are the camera's.
-const PASSES_OF_LIGHTS: [&str; 3] = ["shadow maps", "shadow filter", "light"];
+const PASSES_OF_LIGHTS: [&str; 4] = ["shadow maps", "shadow filter", "visibility", "light"];
 
 /// What the lights of one frame cost.
 struct Row {

@@ -112,7 +112,7 @@ fn under_a_lamp(name: &'static str, plates: &[Plate], half_side: f32) -> View {
     scene.materials.push(Material { name: "matte".to_owned(), double_sided: true, ..Material::default() });
     let ground = Plate { center: Vec3::new(0.0, -0.5 * THICKNESS, 0.0), side: 8.0, thickness: THICKNESS };
     for part in plates.iter().chain([&ground]) {
-        scene.meshes.push(part.mesh());
+        scene.meshes.push(part.mesh().into());
         scene.nodes.push(Node {
             name: "plate".to_owned(),
             meshes: vec![MeshId(scene.meshes.len() - 1)],

@@ -34,10 +34,10 @@ fn with_parts(mut variant: Variant, suppression: bool, sharpening: bool) -> Vari
     if !suppression {
         (settings.black_point, settings.white_point) = (0.0, 1.0);
         // It makes up for what the stretch between the two narrows.
-        settings.footprint_scale = 1.0;
+        settings.footprint_scale = Some(1.0);
     }
     if !sharpening {
-        settings.sharpening_a = 0.0;
+        settings.sharpening_a = Some(0.0);
     }
     variant
 }

@@ -38,7 +38,7 @@ struct Mover {
 
 impl Mover {
     fn new(scene: &Scene, clip: usize) -> Self {
-        let duration = scene.animations.get(clip).map(gnomon_scene::Animation::duration);
+        let duration = scene.animations.get(clip).map(|clip| clip.duration());
         let turns = |(index, node): (usize, &gnomon_scene::Node)| {
             let free = node.parent.is_none() && scene.ground != Some(NodeId(index));
             (free && duration.is_none()).then_some((NodeId(index), node.parent_from_node))
@@ -211,7 +211,7 @@ impl Experiment for Animation {
 /// The view in the middle of a clip, on a ground and in sight there.
 fn dancing(file: &View, clip: usize) -> Result<View, LabError> {
     let mut scene = file.scene.clone();
-    let Some(duration) = scene.animations.get(clip).map(gnomon_scene::Animation::duration) else {
+    let Some(duration) = scene.animations.get(clip).map(|clip| clip.duration()) else {
         return Ok(file.clone());
     };
     scene.animate(clip, 0.45 * duration)?;

@@ -12,6 +12,9 @@ pub enum FitError {
         /// The names there are, separated by commas.
         known: String,
     },
+    /// An option that cannot be what it is.
+    #[error(transparent)]
+    Option(#[from] gnomon_options::OptionError),
     /// Two options that exclude each other.
     #[error("a light count and a threshold exclude each other: give one of them")]
     CountAndThreshold,

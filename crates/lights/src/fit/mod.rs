@@ -13,6 +13,7 @@ mod options;
 mod partition;
 mod rectangles;
 mod samples;
+mod settings;
 mod sphere_grid;
 
 use gnomon_envmap::Equirect;
@@ -25,6 +26,7 @@ pub use options::{FitOptions, MAX_LIGHTS};
 pub use partition::Partition;
 pub use rectangles::{Outline, Rectangles};
 pub use samples::{Sampler, Samples, sampler_by_name, samplers};
+pub use settings::FitSettings;
 
 use crate::LightSet;
 

@@ -14,7 +14,7 @@ pub fn scene(parts: Vec<(Mesh, Surface)>) -> Scene {
     let mut scene = Scene::default();
     for (index, (mut mesh, surface)) in parts.into_iter().enumerate() {
         mesh.material = Some(MaterialId(index));
-        scene.meshes.push(mesh);
+        scene.meshes.push(mesh.into());
         scene.materials.push(Material { surface, ..Material::default() });
         scene.nodes.push(node(MeshId(index), Affine3A::IDENTITY));
     }

@@ -1,5 +1,7 @@
 //! Vertices that the GPU deforms against those of the CPU, read back.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use gnomon_scene::{Influences, Mesh, MeshId, MorphTarget, Node, NodeId, Scene, Skin, SkinId};
 use gnomon_scene_files::{LoadOptions, load};
@@ -89,7 +91,7 @@ fn models_bend_as_on_the_cpu() {
         let Some(path) = gnomon_testing::data_file(&format!("models/{name}")) else { return };
         let mut scene = load(&path, &LoadOptions::default()).unwrap().scene;
         scene.add_ground(gnomon_scene::Ground::Plane);
-        let mut geometry = Geometry::new(&gpu, &pass, &scene).unwrap();
+        let mut geometry = Geometry::new(&gpu, &pass, &scene, None).unwrap();
         let duration = scene.animations[clip].duration();
         for share in [None, Some(0.21), Some(0.68)] {
             if let Some(share) = share {
@@ -165,7 +167,7 @@ fn random_scene(random: &mut Random) -> Scene {
     }
     mesh.triangles = (0..count as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let rigid = Mesh { influences: Influences::default(), targets: Vec::new(), ..mesh.clone() };
-    let mut scene = Scene { meshes: vec![mesh, rigid], ..Scene::default() };
+    let mut scene = Scene { meshes: vec![mesh.into(), rigid.into()], ..Scene::default() };
     let weights: Vec<f32> = (0..targets).map(|_| random.next()).collect();
     for (mesh, skin) in [(0, Some(SkinId(0))), (0, None), (1, Some(SkinId(0)))] {
         scene.nodes.push(Node {
@@ -192,7 +194,7 @@ fn random_meshes_bend_as_on_the_cpu() {
     let pass = TransformPass::new(&gpu).unwrap();
     let mut random = Random(7);
     let mut scene = random_scene(&mut random);
-    let mut geometry = Geometry::new(&gpu, &pass, &scene).unwrap();
+    let mut geometry = Geometry::new(&gpu, &pass, &scene, None).unwrap();
     for _ in 0..4 {
         let (apart, turned, outside) = compare(&gpu, &pass, &geometry, &scene);
         assert_eq!(outside, 0);
@@ -211,14 +213,31 @@ fn poses_beyond_all_bounds_are_refused_and_other_meshes_noticed() {
     let Some(gpu) = gpu_or_skip() else { return };
     let pass = TransformPass::new(&gpu).unwrap();
     let mut scene = random_scene(&mut Random(3));
-    let mut geometry = Geometry::new(&gpu, &pass, &scene).unwrap();
+    let mut geometry = Geometry::new(&gpu, &pass, &scene, None).unwrap();
     for far in [1e20, f32::NAN, f32::INFINITY] {
         let mut broken = scene.clone();
         broken.nodes[5].parent_from_node.translation.x = far;
         assert!(geometry.take_pose(&gpu, &broken).is_err(), "{far}");
-        assert!(Geometry::new(&gpu, &pass, &broken).is_err(), "{far}");
+        assert!(Geometry::new(&gpu, &pass, &broken, None).is_err(), "{far}");
     }
     scene.skins[0].joints.pop();
     scene.skins[0].joint_from_bind.pop();
     assert!(!geometry.take_pose(&gpu, &scene).unwrap(), "a skin of other joints");
+}
+
+#[test]
+fn a_scene_with_one_more_mesh_works_out_that_mesh_alone() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let pass = TransformPass::new(&gpu).unwrap();
+    let scene = gnomon_scene::builtin::by_name("three-boxes").unwrap();
+    let before = Geometry::new(&gpu, &pass, &scene, None).unwrap();
+    let mut more = scene.clone();
+    more.meshes.push(Mesh::clone(&scene.meshes[0]).into());
+    more.nodes.push(Node { meshes: vec![MeshId(more.meshes.len() - 1)], ..Node::default() });
+    let after = Geometry::new(&gpu, &pass, &more, Some(&before)).unwrap();
+    let shared = |(address, detail): &(&usize, &Arc<_>)| {
+        before.details.get(address).is_some_and(|known| Arc::ptr_eq(known, detail))
+    };
+    assert_eq!(after.details.len(), before.details.len() + 1);
+    assert_eq!(after.details.iter().filter(shared).count(), before.details.len());
 }

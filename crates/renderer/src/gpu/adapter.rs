@@ -48,7 +48,7 @@ const REQUIRED_LIMITS: [RequiredLimit; 7] = [
     required_limit("storage buffers a shader", 8, |l| l.max_storage_buffers_per_shader_stage as u64),
     required_limit("sampled textures a shader", 12, |l| l.max_sampled_textures_per_shader_stage as u64),
     required_limit("bytes of a uniform buffer", 1 << 16, |l| l.max_uniform_buffer_binding_size),
-    required_limit("colour attachments", 4, |l| l.max_color_attachments as u64),
+    required_limit("colour attachments", 2, |l| l.max_color_attachments as u64),
     required_limit("invocations of a workgroup", 256, |l| l.max_compute_invocations_per_workgroup as u64),
 ];
 

@@ -80,7 +80,7 @@ impl FrameTimes {
             *match pass.name {
                 "shadow maps" => &mut times.shadow_maps,
                 "shadow filter" => &mut times.shadow_filter,
-                "light" => &mut times.light,
+                "light" | "visibility" => &mut times.light,
                 "compose" => &mut times.compose,
                 _ => &mut times.fixed,
             } += pass.milliseconds;

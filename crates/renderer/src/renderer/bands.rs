@@ -4,11 +4,10 @@ use std::ops::Range;
 
 use bytemuck::pod_collect_to_vec;
 use gnomon_picture::RgbImage;
-use gnomon_scene::Camera;
 
 use super::{Frame, Renderer};
 use crate::gpu::TextureReadBack;
-use crate::recorder::{Clock, FrameTimings, add_times, new_encoder};
+use crate::recorder::{FrameTimings, add_times};
 use crate::settings::TechniqueSettings;
 use crate::{Gpu, RenderError, shading_points};
 
@@ -22,7 +21,7 @@ pub(super) struct Band {
 }
 
 impl Band {
-    fn whole(height: u32) -> Self {
+    pub(super) fn whole(height: u32) -> Self {
         Self { drawn: 0..height, kept: 0..height }
     }
 }
@@ -41,12 +40,12 @@ fn cut(height: u32, kept: u32, overlap: u32) -> Vec<Band> {
 
 impl Renderer {
     /// How a picture has to be cut: one band where the adapter allows buffers for all of its samples. Debug views are never cut.
-    fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
+    pub(super) fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
         let TechniqueSettings { supersample: samples, shadow_sampling: sampling, .. } =
-            self.settings.techniques;
+            self.settings().techniques;
         let fits = |rows: u32| {
-            let sums = shading_points::sum_bytes([width * samples, rows * samples], sampling);
-            sums <= self.gpu.device.limits().max_storage_buffer_binding_size
+            let size = [width * samples, rows * samples];
+            shading_points::largest_buffer(size, sampling) <= self.gpu.largest_storage()
         };
         // Samples look at the tiles around their own. So many pixels hold a whole number of tiles.
         let overlap = (2 * sampling).div_ceil(samples).next_multiple_of(sampling);
@@ -59,164 +58,26 @@ impl Renderer {
         // Where not even one row of tiles fits, the error is that of the whole picture.
         most().map_or(vec![whole], |kept| cut(height, kept, overlap))
     }
-
-    /// Draws one frame of `width` x `height` pixels and waits for it: [`Renderer::render_async`], waited for.
-    ///
-    /// # Errors
-    /// As [`Renderer::render_async`].
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
-        let frame = self.render_async(camera, width, height);
-        self.gpu.wait_for(frame)
-    }
-
-    /// Draws one frame of `width` x `height` pixels and reads it back. When this returns everything is recorded and submitted, and the
-    /// renderer is free for the next frame; the future is ready once the GPU has drawn it and the device was polled after that
-    /// ([`wgpu::Device::poll`], [`wgpu::Queue::submit`]; browsers do so by themselves).
-    ///
-    /// Where the adapter allows no buffer for the light of all its samples the picture is drawn in bands of rows;
-    /// [`Renderer::display_view`] then shows the last one.
-    ///
-    /// # Errors
-    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
-    /// [`RenderError::NotFinite`] where it drew what is no picture.
-    pub fn render_async(
-        &mut self,
-        camera: &Camera,
-        width: u32,
-        height: u32,
-    ) -> impl Future<Output = Result<Frame, RenderError>> + Send + use<> {
-        let size = [width, height];
-        let begun = self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size)));
-        async move { begun?.frame().await }
-    }
-
-    /// Submits every band with its read-back: each is copied before the next one is drawn in its place.
-    fn begin_bands(
-        &mut self,
-        camera: &Camera,
-        size: [u32; 2],
-        bands: &[Band],
-    ) -> Result<BandsInFlight, RenderError> {
-        let gpu = self.gpu.clone();
-        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new() };
-        for band in bands {
-            let scopes = gpu.catch_errors();
-            self.judge_clocks(camera, size, band)?;
-            let mut encoder = new_encoder(&gpu);
-            let timings = self.record_band(&mut encoder, camera, size, band, self.clock())?;
-            let Some(target) = &self.target else {
-                return Err(RenderError::Device("no frame was drawn".to_owned()));
-            };
-            let mut read = |texture, bytes| TextureReadBack::new(&gpu, &mut encoder, texture, bytes);
-            let (radiance, display) = (read(&target.output.radiance, 16), read(&target.output.display, 4));
-            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, timings });
-            gpu.queue.submit([encoder.finish()]);
-            scopes.finish()?;
-        }
-        Ok(in_flight)
-    }
-
-    /// Draws one frame without reading it back, in bands as [`Renderer::render`] does, and waits until the device is idle: what a
-    /// benchmark times.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`].
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn draw(
-        &mut self,
-        camera: &Camera,
-        width: u32,
-        height: u32,
-    ) -> Result<Vec<crate::PassTiming>, RenderError> {
-        let size = [width, height];
-        self.check_size(size)?;
-        let mut times = Vec::new();
-        for band in self.bands(size) {
-            let timings = self.submit_band(camera, size, &band, self.settings.measure.profile)?;
-            self.gpu.wait()?;
-            add_times(&mut times, self.gpu.wait_for(timings.passes())?);
-        }
-        Ok(times)
-    }
-
-    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`]. Gives the frame's number, under
-    /// which [`Renderer::take_times`] tells its times later where they are asked for ([`crate::MeasureSettings::profile`]).
-    ///
-    /// # Errors
-    /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
-    /// may come only with a later call.
-    pub fn submit(&mut self, camera: &Camera, width: u32, height: u32) -> Result<u64, RenderError> {
-        let size = [width, height];
-        self.check_size(size)?;
-        let is_timed = self.settings.measure.profile && self.in_flight.has_room();
-        let timings = self.submit_band(camera, size, &Band::whole(height), is_timed)?;
-        Ok(self.in_flight.add(is_timed.then_some(timings)))
-    }
-
-    /// Records one frame into an encoder of the embedding program, which submits it: for a program that draws everything in one
-    /// submission. What changes from frame to frame is uploaded through the device's queue at once, so that an encoder can hold one
-    /// frame of a renderer, and it is to be submitted before the renderer draws another. Passes are not timed.
-    ///
-    /// # Errors
-    /// As [`Renderer::submit`].
-    pub fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        camera: &Camera,
-        width: u32,
-        height: u32,
-    ) -> Result<(), RenderError> {
-        let size = [width, height];
-        self.check_size(size)?;
-        let scopes = self.gpu.catch_errors();
-        self.record_band(encoder, camera, size, &Band::whole(height), Clock::Off)?;
-        scopes.finish()
-    }
-
-    fn submit_band(
-        &mut self,
-        camera: &Camera,
-        size: [u32; 2],
-        band: &Band,
-        is_timed: bool,
-    ) -> Result<FrameTimings, RenderError> {
-        let scopes = self.gpu.catch_errors();
-        self.judge_clocks(camera, size, band)?;
-        let clock = if is_timed { self.clock() } else { Clock::Off };
-        let mut encoder = new_encoder(&self.gpu);
-        let timings = self.record_band(&mut encoder, camera, size, band, clock)?;
-        self.gpu.queue.submit([encoder.finish()]);
-        scopes.finish()?;
-        Ok(timings)
-    }
-
-    /// Waits until everything that was submitted is drawn.
-    ///
-    /// # Errors
-    /// [`RenderError::Device`] where the device failed.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn wait(&self) -> Result<(), RenderError> {
-        self.gpu.wait()
-    }
 }
 
 /// A picture that is being drawn and read back.
-struct BandsInFlight {
-    gpu: Gpu,
-    size: [u32; 2],
-    bands: Vec<BandInFlight>,
+pub(super) struct BandsInFlight {
+    pub(super) gpu: Gpu,
+    pub(super) size: [u32; 2],
+    pub(super) bands: Vec<BandInFlight>,
 }
 
-struct BandInFlight {
-    band: Band,
-    radiance: TextureReadBack,
-    display: TextureReadBack,
-    timings: FrameTimings,
+/// A band of it, on its way.
+pub(super) struct BandInFlight {
+    pub(super) band: Band,
+    pub(super) radiance: TextureReadBack,
+    pub(super) display: TextureReadBack,
+    pub(super) timings: FrameTimings,
 }
 
 impl BandsInFlight {
-    async fn frame(self) -> Result<Frame, RenderError> {
+    /// The picture, once everything is there.
+    pub(super) async fn frame(self) -> Result<Frame, RenderError> {
         let Self { gpu, size: [width, height], bands } = self;
         let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
         for BandInFlight { band, radiance: texels, display: bytes, timings: of_band } in bands {
@@ -282,7 +143,7 @@ mod tests {
             let mut renderer = Renderer::new(&gpu, settings).unwrap();
             renderer.set_scene(&scene).unwrap();
             renderer.set_lighting(&map, &lights).unwrap();
-            assert_eq!(renderer.lighting.as_ref().unwrap().batches.len() > 1, memory == 1);
+            assert_eq!(renderer.shadow_batches() > 1, memory == 1);
             let size = [64, 50];
             let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
             let mut differences = |overlap: u32| {

@@ -7,7 +7,7 @@ use gnomon_shaders::layout;
 use super::{Lit, Renderer, Target};
 use crate::RenderError;
 use crate::debug_view::{self, DebugGroup, DebugPass, DebugView};
-use crate::depth_maps::MapView;
+use crate::light_batches::LitScene;
 use crate::recorder::Recorder;
 
 /// A view in force.
@@ -60,12 +60,12 @@ impl Renderer {
 
     /// Number of lights that a frame sums: of the environment, its ambient rest and the scene.
     pub fn light_count(&self) -> usize {
-        self.lighting.as_ref().map_or(0, |lit| lit.batches.light_count())
+        self.state.lit.as_ref().map_or(0, |lit| lit.batches.light_count())
     }
 
     /// Makes what a debug view needs of the lights.
     pub(super) fn bind_debug_view(&mut self) {
-        let Some(lit) = &self.lighting else { return };
+        let Some(lit) = &mut self.state.lit else { return };
         let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
         lit.batches.sum_only(&self.gpu, only);
         let Some(debug) = &mut self.debug else { return };
@@ -79,18 +79,13 @@ impl Renderer {
         &self,
         recorder: &mut Recorder<'_>,
         debug: &Debug,
-        (lit, target, map_views): (&Lit, &Target, &[Vec<MapView>]),
+        (lit, target, scene): (&Lit, &Target, LitScene<'_>),
         camera: &Camera,
         sample_size: [u32; 2],
-    ) {
+    ) -> Result<(), RenderError> {
         let chosen = debug.light_of(lit).and_then(|light| lit.batches.place_of(light));
         if let Some((batch, _)) = chosen.filter(|_| debug.view.reads_map()) {
-            lit.batches.draw_maps_again(
-                recorder,
-                &self.passes.shadow_map,
-                (&self.geometry, map_views),
-                batch,
-            );
+            lit.batches.prepare_again(recorder, scene, batch)?;
         }
         let [least, range] = depth_range(camera, self.bounds);
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
@@ -100,12 +95,12 @@ impl Renderer {
             let parameters = layout::DebugParameters {
                 light: light.unwrap_or(0),
                 has_light: light.is_some().into(),
-                has_maps: self.technique.needs_depth_maps().into(),
+                has_maps: self.state.chosen.technique.depth_maps().is_some().into(),
                 to_viewer,
                 lights_before,
                 least_depth: least,
                 depth_range: range,
-                exposure: exposure_scale(self.settings.display.exposure.unwrap_or(0.0)),
+                exposure: exposure_scale(self.settings().display.exposure.unwrap_or(0.0)),
                 light_count,
                 ..debug.view.parameters()
             };
@@ -119,9 +114,10 @@ impl Renderer {
                 batch..batch + 1
             }
         };
-        let groups = [&target.gbuffer.group, &target.points.compose_group];
+        let groups = [&target.gbuffer.group, &target.points[0].compose_group];
         let batches = debug.groups.iter().skip(shown.start).take(shown.len());
         debug.pass.encode(recorder, batches, groups, sample_size);
+        Ok(())
     }
 }
 

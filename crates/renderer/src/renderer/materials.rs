@@ -2,10 +2,9 @@
 
 use gnomon_scene::Scene;
 
-use super::{CACHE_SAMPLES, Renderer};
+use super::Renderer;
 use crate::RenderError;
 use crate::materials::Materials;
-use crate::radiance_cache::RadianceCache;
 
 impl Renderer {
     /// Takes new material parameters of the scene that was set last, reflectance models among them, without an upload of its meshes or
@@ -19,24 +18,18 @@ impl Renderer {
             return self.set_scene(scene);
         }
         if !self.materials.rewrite(&self.gpu, scene) {
-            self.materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+            let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
+            self.take_materials(materials);
         }
-        self.cache_lobes(scene);
+        self.take_lobes(scene);
         scopes.finish()
     }
 
-    /// Makes the radiance cache one of the scene's lobes.
-    pub(super) fn cache_lobes(&mut self, scene: &Scene) {
-        let wanted = self.compositing.needs_unshadowed;
-        let lobes = if wanted { self.unshadowed.cached_lobes(scene) } else { Vec::new() };
-        if self.cache.rewrite(&lobes) {
-            return;
+    /// Takes materials over that lie elsewhere on the GPU.
+    pub(super) fn take_materials(&mut self, materials: Materials) {
+        if let Some(target) = &mut self.target {
+            self.passes.gbuffer.take_materials(&self.gpu, &mut target.gbuffer, &materials);
         }
-        let resolution = self.settings.techniques.radiance_cache_resolution;
-        self.cache = RadianceCache::new(&self.gpu, lobes, resolution, CACHE_SAMPLES);
-        if let Some(mut lit) = self.lighting.take() {
-            lit.environment = self.environment_groups(&lit.lighting);
-            self.lighting = Some(lit);
-        }
+        self.materials = materials;
     }
 }

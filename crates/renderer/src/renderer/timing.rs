@@ -76,13 +76,13 @@ impl Renderer {
 
     /// Whether frames are timed by the GPU's own stamps, so that nothing waits for them.
     pub fn times_come_late(&self) -> bool {
-        self.settings.measure.profile && self.gpu.stamps_are_true.get() == Some(&true)
+        self.settings().measure.profile && self.gpu.stamps_are_true.get() == Some(&true)
     }
 
     /// What times the passes of a frame, after [`Renderer::judge_clocks`].
     pub(super) fn clock(&self) -> Clock {
         match self.gpu.stamps_are_true.get() {
-            _ if !self.settings.measure.profile => Clock::Off,
+            _ if !self.settings().measure.profile => Clock::Off,
             Some(true) => Clock::stamps(&self.gpu),
             #[cfg(not(target_arch = "wasm32"))]
             _ => Clock::wall(),
@@ -98,7 +98,7 @@ impl Renderer {
         size: [u32; 2],
         band: &Band,
     ) -> Result<(), RenderError> {
-        if !self.settings.measure.profile || self.gpu.stamps_are_true.get().is_some() {
+        if !self.settings().measure.profile || self.gpu.stamps_are_true.get().is_some() {
             return Ok(());
         }
         let has_stamps = self.gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);

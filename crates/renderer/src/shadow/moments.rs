@@ -1,45 +1,40 @@
+use gnomon_options::{Group, number, settings};
 use gnomon_shaders::layout;
 
+use super::ShadowSettings;
+use super::depth_map::{MapFilter, MapShadows};
+use super::depth_maps::{DepthMaps, MapDepth};
 use super::downsample::{Downsample, trilinear_sampler};
-use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
+use super::technique::{ShadowContext, ShadowMemory, ShadowResources, ShadowTechnique};
 use crate::bindings::{Binding, D2_ARRAY, array_view, level_view};
-use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 /// Moment soft shadow maps with four moments (Peters and Klein 2015; Peters, Muenstermann, Wetzstein and Klein 2016).
 pub(super) struct Moments;
 
-/// Parameters of moment soft shadow maps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MomentSettings {
-    /// Share of a wide distribution mixed into every lookup against rounding, 0 to 1. Moments of 32 bits need a hundredth of what
-    /// 16 bits need, and every share leaks light.
-    pub moment_bias: f32,
-    /// Distance towards the light by which a receiver is moved, as a share of the depth range, 0 to 1.
-    pub depth_bias: f32,
-    /// The same per depth that the receiver's tangent plane climbs over one kernel width, 0 to 10: its own surface is no blocker.
-    pub slope_bias: f32,
-    /// Factor on every kernel's width, 0 to 10. At 1.2, with `intensity_scale` 1, the penumbra of one light over a plane has its
-    /// closed form's width; where many depths meet under a kernel the moments leak light, the more the wider it is, and pictures
-    /// of many lights have the least error with narrower ones.
-    pub footprint_scale: f32,
-    /// Factor on the shadow, which the moments only bound from below, 1 to 2.
-    pub intensity_scale: f32,
-    /// Factor on the renderer's offset along the normal, 0 to 10: filtered moments need less of it than single texels.
-    pub normal_offset_scale: f32,
-}
+static GROUP: Group = Group {
+    table: "moments",
+    heading: "Moment soft shadow maps (moments)",
+    condition: Some(("shadows", "moments")),
+};
 
-impl Default for MomentSettings {
-    fn default() -> Self {
-        Self {
-            moment_bias: 1e-6,
-            depth_bias: 0.002,
-            slope_bias: 0.0,
-            footprint_scale: 0.6,
-            intensity_scale: 1.1,
-            normal_offset_scale: 0.5,
-        }
+settings! {
+    /// Parameters of moment soft shadow maps.
+    pub struct MomentSettings in GROUP {
+        /// Share of a wide distribution mixed into every lookup against rounding. Moments of 32 bits need a hundredth of what 16 bits
+        /// need, and every share leaks light.
+        moment_bias: f32 = 1e-6, number(0.0, 1.0);
+        /// Distance towards the light by which a receiver is moved, as a share of the depth range.
+        depth_bias: f32 = 0.002, number(0.0, 1.0);
+        /// Factor on every kernel's width. At 1.2, with an intensity scale of 1, the penumbra of one light over a plane has its closed
+        /// form's width; where many depths meet under a kernel the moments leak light, the more the wider it is, and pictures of many
+        /// lights have the least error with narrower ones.
+        footprint_scale: f32 = 0.6, number(0.0, 10.0);
+        /// Factor on the shadow, which the moments only bound from below.
+        intensity_scale: f32 = 1.1, number(1.0, 2.0);
+        /// Factor on the offset along the normal: filtered moments need less of it than single texels.
+        normal_offset_scale: f32 = 0.5, number(0.0, 10.0);
     }
 }
 
@@ -65,26 +60,29 @@ impl ShadowTechnique for Moments {
         wgpu::Features::FLOAT32_FILTERABLE
     }
 
-    fn needs_depth_maps(&self) -> bool {
-        true
+    fn depth_maps(&self) -> Option<MapDepth> {
+        Some(MapDepth::Linear)
     }
 
-    fn bytes_per_light(&self, _: &ShadowSettings, resolution: u32) -> u64 {
+    fn memory(&self, _: &ShadowSettings, resolution: u32) -> ShadowMemory {
         // A full mip chain holds 4/3 of its top level; 16 bytes a texel.
-        16 * u64::from(resolution).pow(2) * 4 / 3
+        let images = 16 * u64::from(resolution).pow(2) * 4 / 3;
+        ShadowMemory { per_light: DepthMaps::bytes_per_light(resolution) + images, per_pair: 0 }
     }
 
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        Ok(Box::new(Resources::new(gpu, &settings.moments, maps)?))
+    fn layers_per_light(&self, _: &ShadowSettings) -> u32 {
+        1
+    }
+
+    fn resources(&self, context: &ShadowContext<'_>) -> Result<Box<dyn ShadowResources>, RenderError> {
+        MapShadows::boxed(context, MapDepth::Linear, |maps| {
+            Images::new(context.gpu, &context.settings.moments, maps)
+        })
     }
 }
 
-struct Resources {
+/// The maps' moments with mip levels.
+struct Images {
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
     moments: wgpu::ComputePipeline,
@@ -93,27 +91,18 @@ struct Resources {
     resolution: u32,
 }
 
-impl Resources {
+impl Images {
     fn new(gpu: &Gpu, settings: &MomentSettings, maps: &DepthMaps) -> Result<Self, RenderError> {
         let resolution = maps.resolution;
         let levels = resolution.ilog2() + 1;
         let parameters = layout::MomentParameters {
             resolution: resolution as f32,
             max_level: (levels - 1) as f32,
-            moment_bias: in_range("moment bias", settings.moment_bias, 0.0..=1.0)?,
-            depth_bias: in_range("depth bias of moment shadows", settings.depth_bias, 0.0..=1.0)?,
-            slope_bias: in_range("slope bias of moment shadows", settings.slope_bias, 0.0..=10.0)?,
-            footprint_scale: in_range(
-                "kernel scale of moment shadows",
-                settings.footprint_scale,
-                0.0..=10.0,
-            )?,
-            intensity_scale: in_range("intensity of moment shadows", settings.intensity_scale, 1.0..=2.0)?,
-            normal_offset_scale: in_range(
-                "normal offset of moment shadows",
-                settings.normal_offset_scale,
-                0.0..=10.0,
-            )?,
+            moment_bias: settings.moment_bias,
+            depth_bias: settings.depth_bias,
+            footprint_scale: settings.footprint_scale,
+            intensity_scale: settings.intensity_scale,
+            normal_offset_scale: settings.normal_offset_scale,
         };
         let parameters = gpu.shared_buffer("moments", &parameters, wgpu::BufferUsages::UNIFORM);
         let image = gpu.texture(
@@ -165,7 +154,7 @@ impl Resources {
     }
 }
 
-impl ShadowResources for Resources {
+impl MapFilter for Images {
     fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }
@@ -175,9 +164,6 @@ impl ShadowResources for Resources {
     }
 
     fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
-        if light_count == 0 {
-            return;
-        }
         let tiles = self.resolution.div_ceil(layout::TILE);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.moments);

@@ -1,26 +1,26 @@
+use gnomon_options::{Group, number, settings, whole};
 use gnomon_shaders::layout;
 
-use super::{DepthMapTechnique, ShadowSettings, in_range};
-use crate::RenderError;
+use super::ShadowSettings;
+use super::depth_map::DepthMapTechnique;
+use super::depth_maps::MapDepth;
 
-/// Parameters of percentage-closer filtering.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PcfSettings {
-    /// Radius of the kernel in texels of the depth map, 0 to 1024.
-    pub radius_texels: f32,
-    /// Shadow tests a lookup, each between four texels: 1 to 1024.
-    pub samples: u32,
-    /// Factor on the renderer's offset along the normal, 0 to 10: the comparison with the receiver's own plane needs only so much
-    /// as covers half a texel, and every more leaks light at contacts.
-    pub normal_offset_scale: f32,
-    /// Distance towards the light by which a receiver is moved, as a share of the depth range, 0 to 1. Tilted surfaces are
-    /// covered by the comparison with their own plane; this bias only has to cover rounding.
-    pub depth_bias: f32,
-}
+static GROUP: Group =
+    Group { table: "pcf", heading: "Percentage-closer filtering (pcf)", condition: Some(("shadows", "pcf")) };
 
-impl Default for PcfSettings {
-    fn default() -> Self {
-        Self { radius_texels: 1.5, samples: 16, normal_offset_scale: 0.5, depth_bias: 0.001 }
+settings! {
+    /// Parameters of percentage-closer filtering.
+    pub struct PcfSettings in GROUP {
+        /// Radius of the kernel, in texels of the shadow map.
+        radius: f32 = 1.5, number(0.0, 1024.0).unit("texels");
+        /// Shadow tests a lookup, each between four texels.
+        samples: u32 = 16, whole(1, 1024);
+        /// Factor on the offset along the normal. The comparison with the receiver's own plane needs only so much as covers half a texel,
+        /// and every more leaks light at contacts.
+        normal_offset_scale: f32 = 0.5, number(0.0, 10.0);
+        /// Distance towards the light by which a receiver is moved, as a share of the depth range. Tilted surfaces are covered by the
+        /// comparison with their own plane; this bias only has to cover rounding.
+        depth_bias: f32 = 0.001, number(0.0, 1.0);
     }
 }
 
@@ -29,21 +29,13 @@ pub(super) static PCF: DepthMapTechnique = DepthMapTechnique {
     name: "pcf",
     summary: "percentage-closer filtering with a fixed kernel (Reeves et al. 1987)",
     module: "shadow_pcf",
+    depth: MapDepth::Linear,
     parameters,
 };
 
-fn parameters(settings: &ShadowSettings, resolution: u32) -> Result<Vec<u8>, RenderError> {
-    let settings = &settings.pcf;
-    let radius = in_range("radius of percentage-closer filtering", settings.radius_texels, 0.0..=1024.0)?;
-    let parameters = layout::PcfParameters {
-        samples: in_range("samples of percentage-closer filtering", settings.samples, 1..=1024)?,
-        radius_uv: radius / resolution as f32,
-        normal_offset_scale: in_range(
-            "normal offset of percentage-closer filtering",
-            settings.normal_offset_scale,
-            0.0..=10.0,
-        )?,
-        depth_bias: in_range("depth bias of percentage-closer filtering", settings.depth_bias, 0.0..=1.0)?,
-    };
-    Ok(layout::bytes(&parameters))
+fn parameters(settings: &ShadowSettings, resolution: u32) -> Vec<u8> {
+    let &PcfSettings { radius, samples, normal_offset_scale, depth_bias } = &settings.pcf;
+    let radius_uv = radius / resolution as f32;
+    let parameters = layout::PcfParameters { samples, radius_uv, normal_offset_scale, depth_bias };
+    layout::bytes(&parameters)
 }

@@ -7,6 +7,8 @@
 
 pub mod edge;
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec2, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::{DistantLight, LightSet};
@@ -76,7 +78,7 @@ pub fn horizontal(min: Vec2, max: Vec2, y: f32) -> Mesh {
 /// Meshes at the origin, all of one material.
 pub fn scene_of(meshes: Vec<Mesh>, material: Material) -> Scene {
     let meshes: Vec<_> =
-        meshes.into_iter().map(|mesh| Mesh { material: Some(MaterialId(0)), ..mesh }).collect();
+        meshes.into_iter().map(|mesh| Arc::new(Mesh { material: Some(MaterialId(0)), ..mesh })).collect();
     let nodes = (0..meshes.len()).map(|i| Node { meshes: vec![MeshId(i)], ..Node::default() }).collect();
     Scene { meshes, nodes, materials: vec![material], ..Default::default() }
 }

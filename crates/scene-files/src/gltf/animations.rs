@@ -2,6 +2,7 @@
 //! damaged is left out with a warning.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 use gnomon_messages::quoted;
@@ -52,7 +53,7 @@ pub fn read(
                 Err(fault) => return Err(fault),
             }
         }
-        scene.animations.push(animation);
+        scene.animations.push(Arc::new(animation));
     }
     scene.animated = animated.into_values().collect();
     scene.animated.sort_by_key(|animated| animated.node.0);

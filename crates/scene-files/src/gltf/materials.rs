@@ -1,6 +1,7 @@
 //! Materials and textures (specification, sections 3.8 and 3.9, and the KHR extensions).
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Affine2, Vec2, Vec3};
 use gnomon_messages::quoted;
@@ -179,13 +180,13 @@ impl Textures<'_> {
             Err(fault) => return Err(fault),
         };
         let id = TextureId(scene.textures.len());
-        scene.textures.push(Texture {
+        scene.textures.push(Arc::new(Texture {
             width: picture.width,
             height: picture.height,
             rgba8: picture.rgba8,
             wrap,
             nearest,
-        });
+        }));
         self.known.insert((image, wrap, nearest), id);
         Ok(Some(id))
     }

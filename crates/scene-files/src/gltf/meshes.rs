@@ -1,6 +1,7 @@
 //! Meshes (specification, section 3.7): every primitive becomes a [`Mesh`].
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_scene::{MaterialId, Mesh, MeshId, MorphTarget, Scene};
@@ -84,7 +85,7 @@ impl<'a> Meshes<'a> {
             let tangent_set = scene.materials[material.0].tangent_set();
             let finished = geometry::finish(raw, tangent_set, &name, budget, &mut scene.warnings)?;
             known.ids.push(MeshId(scene.meshes.len()));
-            scene.meshes.push(finished);
+            scene.meshes.push(Arc::new(finished));
         }
         let ids = known.ids.clone();
         self.known.insert(index, known);

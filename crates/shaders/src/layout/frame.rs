@@ -21,6 +21,10 @@ super::constants! {
     pub const FLAG_BACKGROUND: u32 = 1;
     /// [`View::flags`]: matte surfaces take irradiance from [`View::full_sh`].
     pub const FLAG_SPHERICAL_HARMONICS: u32 = 2;
+    /// [`View::flags`]: sums of specular light are kept.
+    pub const FLAG_SPECULAR_SUMS: u32 = 4;
+    /// [`View::flags`]: sums of the light of the scene's own lights are kept.
+    pub const FLAG_NEAR_SUMS: u32 = 8;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
@@ -67,6 +71,8 @@ super::structs! {
         pub sample_extent: f32,
         /// The G-buffer is drawn in so many parts a side, each with every so manyth sample: 1 or 2.
         pub interleave: u32,
+        /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
+        pub sum_scales: Vec3,
         /// SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
         pub residual_sh: [Vec4; 9],
         /// The same of the whole environment.
@@ -133,32 +139,12 @@ super::structs! {
 
     /// Where light is summed. Only passes on the GPU write these.
     pub struct ShadingPoint {
-        /// What is lit.
-        pub position_world: Vec3,
-        /// Row times the picture's width plus column.
+        /// What is lit; not a vector, which would be padded.
+        pub position_world: [f32; 3],
+        /// Row times the picture's width plus column. Samples of a further layer of surfaces would follow those of the first.
         pub sample: u32,
-        /// Shading normal.
-        pub normal: Vec3,
-    }
-
-    /// What the lights of the batches so far give one point: irradiance, and specular radiance. Only passes on the GPU write these.
-    pub struct LightSums {
-        /// Without shadows.
-        pub diffuse_unshadowed: Vec3,
-        /// Projected solid angle of the probes.
-        pub probed: f32,
-        /// With shadows.
-        pub diffuse_shadowed: Vec3,
-        /// What is visible of the probes.
-        pub probed_open: f32,
-        /// Without shadows.
-        pub specular_unshadowed: Vec3,
-        /// With shadows.
-        pub specular_shadowed: Vec3,
-        /// Of lights in the scene, shadowed: the environment's compositing rule does not concern them.
-        pub diffuse_near: Vec3,
-        /// The same.
-        pub specular_near: Vec3,
+        /// Shading normal: octahedral, in halves.
+        pub normal: u32,
     }
 
     /// What shapes a lobe of the radiance cache.

@@ -1,12 +1,35 @@
 //! Triangles, and what they are made of.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, UVec2, Vec3, Vec4};
 
 super::constants! {
     /// [`Instance::first_joint`] of an instance without a skin.
     pub const NO_SKIN: u32 = u32::MAX;
     /// Vertices a workgroup.
     pub const VERTEX_WORKGROUP: u32 = 64;
+
+    /// Texture arrays, each with its sampler, that a draw can read.
+    pub const TEXTURE_SLOTS: u32 = 8;
+    /// [`MaterialTexture::kind`]: RGBA, multiplies the base colour.
+    pub const TEXTURE_BASE_COLOR: u32 = 0;
+    /// [`MaterialTexture::kind`]: G multiplies the roughness, B the metallic share.
+    pub const TEXTURE_METALLIC_ROUGHNESS: u32 = 1;
+    /// [`MaterialTexture::kind`]: B, multiplies the metallic share.
+    pub const TEXTURE_METALLIC: u32 = 2;
+    /// [`MaterialTexture::kind`]: RGB, the normal in tangent space.
+    pub const TEXTURE_NORMAL: u32 = 3;
+    /// [`MaterialTexture::kind`]: A, multiplies the dielectric's reflection.
+    pub const TEXTURE_SPECULAR: u32 = 4;
+    /// [`MaterialTexture::kind`]: RGB, multiplies the dielectric's tint.
+    pub const TEXTURE_SPECULAR_COLOR: u32 = 5;
+    /// [`MaterialTexture::kind`]: RGB, multiplies the emission.
+    pub const TEXTURE_EMISSIVE: u32 = 6;
+    /// [`MaterialTexture::wrap`]: repeat.
+    pub const WRAP_REPEAT: u32 = 0;
+    /// [`MaterialTexture::wrap`]: the edge goes on.
+    pub const WRAP_CLAMP: u32 = 1;
+    /// [`MaterialTexture::wrap`]: every second copy is mirrored.
+    pub const WRAP_MIRROR: u32 = 2;
 }
 
 super::structs! {
@@ -38,7 +61,7 @@ super::structs! {
         pub first_weight: u32,
     }
 
-    /// Factors of a material; textures multiply them.
+    /// Factors of a material; what its textures hold multiplies them.
     pub struct Material {
         /// Colour and alpha.
         pub base_color: Vec4,
@@ -50,8 +73,6 @@ super::structs! {
         pub specular_color: Vec3,
         /// Strength of the dielectric's reflection.
         pub specular: f32,
-        /// Of GGX.
-        pub roughness: f32,
         /// Index of refraction.
         pub ior: f32,
         /// Strength of the normal map.
@@ -60,9 +81,27 @@ super::structs! {
         pub alpha_cutoff: f32,
         /// Reflectance model, a number of `gnomon_brdf::Model`.
         pub model: u32,
-        /// Of all models but metallic-roughness what shapes its lobe.
-        pub lobe_parameter: f32,
-        /// Rows of uv_from_mesh (xyz) and the coordinate set (w), two vectors a texture, in the order of the bindings.
-        pub uv_rows: [Vec4; 12],
+        /// `Lobe::shape`: roughness, shininess or slope.
+        pub shape: f32,
+        /// Its first [`MaterialTexture`].
+        pub first_texture: u32,
+        /// One after its last.
+        pub end_texture: u32,
+    }
+
+    /// A texture as a material uses it.
+    pub struct MaterialTexture {
+        /// Rows of uv_from_mesh (xyz).
+        pub uv_rows: [Vec4; 2],
+        /// Addressing along u and v, WRAP constants.
+        pub wrap: UVec2,
+        /// Which of the mesh's coordinates.
+        pub uv_set: u32,
+        /// What it is, a TEXTURE constant.
+        pub kind: u32,
+        /// Which of the arrays that its material's draws bind.
+        pub slot: u32,
+        /// Layer of the array.
+        pub layer: u32,
     }
 }

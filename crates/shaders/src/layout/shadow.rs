@@ -36,8 +36,6 @@ super::structs! {
         pub depth_bias: f32,
         /// Factor on the lights' offset along the normal.
         pub normal_offset_scale: f32,
-        /// Not 0: every point of the scene turns the point sets by noise of its own.
-        pub rotate_per_pixel: u32,
     }
 
     /// Parameters of moment soft shadow maps.
@@ -50,8 +48,6 @@ super::structs! {
         pub moment_bias: f32,
         /// Receiver depth is moved towards the light by this much, in linear depth.
         pub depth_bias: f32,
-        /// The same per kernel width and slope of the receiver.
-        pub slope_bias: f32,
         /// Factor on every kernel's width.
         pub footprint_scale: f32,
         /// Factor on the shadow, whose reconstruction is a lower bound.

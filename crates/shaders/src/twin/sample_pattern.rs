@@ -1,6 +1,6 @@
 //! Twins of `sample_pattern.wgsl`: point sets for filtering with few samples.
 
-use glam::{UVec3, Vec2, Vec3};
+use glam::Vec2;
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
@@ -15,24 +15,6 @@ pub fn hammersley(i: u32, count: u32) -> Vec2 {
     let radical_inverse = (i.reverse_bits() >> 8) as f32 / 16_777_216.0;
     let strata = (count as f32).log2().ceil().exp2();
     Vec2::new((i as f32 + 0.5) / count as f32, radical_inverse + 0.5 / strata)
-}
-
-/// Three hashed integers of three integers (Jarzynski and Olano 2020, pcg3d).
-pub fn pcg3d(seed: UVec3) -> UVec3 {
-    let mix = |v: UVec3| {
-        let x = v.x.wrapping_add(v.y.wrapping_mul(v.z));
-        let y = v.y.wrapping_add(v.z.wrapping_mul(x));
-        UVec3::new(x, y, v.z.wrapping_add(x.wrapping_mul(y)))
-    };
-    let v = seed.to_array().map(|s| s.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
-    let v = mix(UVec3::from_array(v));
-    mix(v ^ (v >> 16))
-}
-
-/// Two numbers in `[0, 1)` that differ from place to place without pattern.
-pub fn noise(position: Vec3) -> Vec2 {
-    let hashed = pcg3d(UVec3::from_array(position.to_array().map(f32::to_bits)));
-    Vec2::new((hashed.x >> 8) as f32, (hashed.y >> 8) as f32) / 16_777_216.0
 }
 
 #[cfg(test)]
@@ -66,14 +48,5 @@ mod tests {
         // A count that is no power of two stays inside.
         assert!((0..33).all(|i| hammersley(i, 33).max_element() < 1.0));
         assert_eq!(hammersley(0, 1), Vec2::splat(0.5));
-    }
-
-    #[test]
-    fn noise_is_uniform_and_neighbours_differ() {
-        let values: Vec<Vec2> =
-            (0..4096).map(|i| noise(Vec3::new(1.0, 1.0 + i as f32 * 1e-6, 2.0))).collect();
-        let mean = values.iter().sum::<Vec2>() / 4096.0;
-        assert!((mean - 0.5).abs().max_element() < 0.02, "{mean}");
-        assert!(values.iter().all(|v| v.min_element() >= 0.0 && v.max_element() < 1.0));
     }
 }

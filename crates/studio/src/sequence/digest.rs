@@ -73,6 +73,8 @@ impl Digest {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
     #[test]
@@ -98,10 +100,10 @@ mod tests {
         let same = digest(&scene);
         assert_eq!(digest(&scene.clone()), same);
         let changes: [fn(&mut Scene); 4] = [
-            |scene| scene.meshes[0].positions[3].x += 1e-6,
+            |scene| Arc::make_mut(&mut scene.meshes[0]).positions[3].x += 1e-6,
             |scene| scene.materials[0].surface.base_color.y += 1e-6,
             |scene| scene.nodes[0].parent_from_node.translation.z += 1e-6,
-            |scene| scene.meshes[0].triangles.swap(0, 1),
+            |scene| Arc::make_mut(&mut scene.meshes[0]).triangles.swap(0, 1),
         ];
         for change in changes {
             let mut changed = scene.clone();

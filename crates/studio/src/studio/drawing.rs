@@ -122,8 +122,8 @@ impl Studio {
         let look = self.look();
         LevelOfDetail {
             lights: look.fit.light_count.unwrap_or(self.lights.lights.len()) as u32,
-            shadow_resolution: look.render.shadow_resolution,
-            shadow_sampling: look.render.shadow_sampling,
+            shadow_resolution: look.techniques.shadow_resolution,
+            shadow_sampling: look.techniques.shadow_sampling,
         }
     }
 
@@ -131,8 +131,8 @@ impl Studio {
         self.edit(|look| {
             // A threshold would decide the number of lights.
             (look.fit.light_count, look.fit.threshold) = (Some(level.lights as usize), None);
-            look.render.shadow_resolution = level.shadow_resolution;
-            look.render.shadow_sampling = level.shadow_sampling;
+            look.techniques.shadow_resolution = level.shadow_resolution;
+            look.techniques.shadow_sampling = level.shadow_sampling;
         })
     }
 }

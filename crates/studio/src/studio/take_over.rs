@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use gnomon_envmap::Equirect;
+use gnomon_options::Given;
 use gnomon_renderer::{Gpu, PreparedLighting, Renderer};
 
 use super::{LightingKey, Studio, Update};
@@ -29,7 +30,7 @@ pub(super) struct LoadedStage {
 impl SceneRequest {
     pub fn work_out(self) -> Result<LoadedStage, StudioError> {
         let asked_for = self.look.clone();
-        let project = Project::open_source(self.source, self.look, None)?;
+        let project = Project::open_source(self.source, self.look, &Given::default())?;
         let stage = match self.lit_for.same_map(&LightingKey::of(&project.look, false)) {
             true => Stage::under(project, self.environment, Vec::new())?,
             false => Stage::new(project)?,
@@ -101,7 +102,7 @@ impl Studio {
     /// As [`Studio::new`]; the session then stays as it was.
     pub fn reopen(&mut self, gpu: &Gpu) -> Result<(), StudioError> {
         let prepared = self.prepare_lighting()?;
-        let mut renderer = Renderer::new(gpu, self.settings()?)?;
+        let mut renderer = Renderer::new(gpu, self.settings())?;
         renderer.set_scene(self.stage.scene())?;
         renderer.set_environment_rotation(self.stage.world_from_environment())?;
         renderer.set_prepared_lighting(prepared)?;
@@ -147,7 +148,7 @@ impl Studio {
         self.lights = Arc::new(lights);
         self.stage.set_environment(map, warnings);
         // The suitable exposure is that of the environment that is seen now.
-        let settings = self.settings()?;
+        let settings = self.settings();
         Ok(self.renderer.set_display(settings.display)?)
     }
 

@@ -133,7 +133,7 @@ fn a_window_without_room_draws_nothing_and_goes_on_later() {
         app.viewer.picture.touch();
         app.viewer.draw(&window.ctx, &state, size);
         assert_eq!((app.viewer.picture.size(), app.viewer.picture.is_stale()), (drawn, true), "{size:?}");
-        assert_eq!(app.viewer.studio().unwrap().look().display.size, drawn, "{size:?}");
+        assert_eq!(app.viewer.studio().unwrap().look().picture.size, drawn, "{size:?}");
         assert!(app.viewer.picture.texture().is_some());
     }
     for (size, panel) in [(vec2(0.0, 0.0), None), (vec2(90.0, 60.0), Some(true)), (vec2(200.0, 0.0), None)] {
@@ -181,14 +181,14 @@ fn drawing_the_panel_changes_nothing() {
     viewer.edit(|look| {
         look.environment.rotation = 1_234.568;
         look.display.exposure = Some(25.123_456);
-        look.render.order = 3;
-        look.render.supersample = 6;
+        look.techniques.shadow_settings.convolution.order = 3;
+        look.techniques.supersample = 6;
         let reflectance = "phong: diffuse=0.123456/0.3/0.7 ,shininess=812.345678,specular=0.12345";
         look.reflectance = Some(reflectance.parse().unwrap());
     });
     assert_no_notices(&viewer);
     let look = viewer.studio().unwrap().look().clone();
-    assert_eq!(look.render.supersample, 6);
+    assert_eq!(look.techniques.supersample, 6);
     let mut targets = Targets::default();
     let mut window = Headless::new(340.0, 4000.0);
     let mut panel = |viewer: &mut Viewer, targets: &mut Targets, events| {
@@ -198,7 +198,7 @@ fn drawing_the_panel_changes_nothing() {
         });
     };
     panel(&mut viewer, &mut targets, Vec::new());
-    for section in ["section Material", "section Compositing"] {
+    for section in ["section Material", "section Convolution soft shadows (convolution)"] {
         let pos = targets.place(section).unwrap().center();
         let button = |pressed| Event::PointerButton {
             pos,
@@ -217,11 +217,11 @@ fn drawing_the_panel_changes_nothing() {
     for name in [
         "shininess",
         "own base_color",
-        "cells",
         "rotation",
+        "ambient-cells",
         "exposure",
-        "order",
-        "contact samples",
+        "convolution-order",
+        "convolution-contact-samples",
         "supersample",
     ] {
         assert!(targets.place(name).is_some(), "'{name}' is not on display");

@@ -10,7 +10,7 @@ use eframe::egui::{
 use crate::targets::Targets;
 
 /// Width of the labels' column [points].
-const LABELS: f32 = 104.0;
+const LABELS: f32 = 112.0;
 
 /// Where controls are added. They change a value only where the user does: values may be finer than a control shows, and outside of its range.
 pub struct Fields<'a> {
@@ -33,7 +33,7 @@ impl Fields<'_> {
     }
 
     /// A label, and a control that takes the rest of the row.
-    fn row<R>(&mut self, label: &str, tip: &str, control: impl FnOnce(&mut Ui, &mut Targets) -> R) -> R {
+    pub fn row<R>(&mut self, label: &str, tip: &str, control: impl FnOnce(&mut Ui, &mut Targets) -> R) -> R {
         let targets = &mut *self.targets;
         self.ui
             .horizontal(|ui| {
@@ -41,7 +41,7 @@ impl Fields<'_> {
                 let text = ui
                     .allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                         ui.set_min_width(LABELS);
-                        ui.label(label)
+                        ui.add(eframe::egui::Label::new(label).truncate())
                     })
                     .inner;
                 if !tip.is_empty() {
@@ -65,25 +65,7 @@ impl Fields<'_> {
         chosen: &str,
         entries: impl IntoIterator<Item = (&'n str, &'n str)>,
     ) -> Option<&'n str> {
-        self.row(label, "", |ui, targets| {
-            let mut picked = None;
-            let width = ui.available_width() - 8.0;
-            let list =
-                ComboBox::from_id_salt(name).width(width).truncate().selected_text(chosen).height(400.0);
-            let shown = list.show_ui(ui, |ui| {
-                for (entry, summary) in entries {
-                    let response = ui.selectable_label(entry == chosen, entry);
-                    targets.put(ui, &response, &format!("{name}={entry}"));
-                    let response =
-                        if summary.is_empty() { response } else { response.on_hover_text(summary) };
-                    if response.clicked() {
-                        picked = Some(entry);
-                    }
-                }
-            });
-            targets.put(ui, &shown.response, name);
-            picked
-        })
+        self.row(label, "", |ui, targets| list(ui, targets, name, chosen, entries))
     }
 
     /// A number on a slider; whether the user changed it.
@@ -95,73 +77,12 @@ impl Fields<'_> {
         range: RangeInclusive<N>,
         unit: &str,
     ) -> bool {
-        self.row(label, "", |ui, targets| {
-            ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
-            let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(unit);
-            let response = ui.add(if N::INTEGRAL { slider } else { slider.max_decimals(2) });
-            targets.put(ui, &response, name);
-            response.changed()
-        })
-    }
-
-    /// A number to be typed or dragged.
-    pub fn number<N: emath::Numeric>(
-        &mut self,
-        label: &str,
-        name: &str,
-        value: &mut N,
-        range: RangeInclusive<N>,
-        tip: &str,
-    ) {
-        self.row(label, tip, |ui, targets| {
-            typed(ui, targets, name, value, |drag| drag.range(range));
-        });
-    }
-
-    /// A number that may be left to the program.
-    pub fn automatic<N: emath::Numeric>(
-        &mut self,
-        label: &str,
-        name: &str,
-        value: &mut Option<N>,
-        (start, range): (N, RangeInclusive<N>),
-        speed: f64,
-    ) {
-        self.row(label, "", |ui, targets| {
-            let mut automatic = value.is_none();
-            let check = ui.checkbox(&mut automatic, "automatic");
-            targets.put(ui, &check, &format!("automatic {name}"));
-            if check.changed() {
-                *value = (!automatic).then_some(start);
-            }
-            match value {
-                Some(value) => typed(ui, targets, name, value, |drag| drag.range(range).speed(speed)),
-                None => {
-                    let decimals = if N::INTEGRAL { 0 } else { 2 };
-                    ui.weak(format!("{:.decimals$}", start.to_f64()));
-                }
-            }
-        });
-    }
-
-    /// One of a few numbers, all of them powers of two.
-    pub fn power(&mut self, label: &str, name: &str, value: &mut u32, (least, most): (u32, u32)) {
-        let values: Vec<String> = (least.trailing_zeros()..=most.trailing_zeros())
-            .map(|power| (1_u32 << power).to_string())
-            .collect();
-        let entries = values.iter().map(|value| (value.as_str(), ""));
-        if let Some(picked) = self.choice(label, name, &value.to_string(), entries) {
-            *value = picked.parse().unwrap_or(*value);
-        }
+        self.row(label, "", |ui, targets| slide(ui, targets, name, value, range, unit))
     }
 
     /// Yes or no.
     pub fn check(&mut self, label: &str, name: &str, value: &mut bool, text: &str) -> bool {
-        self.row(label, "", |ui, targets| {
-            let response = ui.checkbox(value, text);
-            targets.put(ui, &response, name);
-            response.changed()
-        })
+        self.row(label, "", |ui, targets| tick(ui, targets, name, value, text))
     }
 
     /// A line to be typed, and a button that does something with it.
@@ -183,15 +104,65 @@ impl Fields<'_> {
     }
 }
 
-/// A number to be typed or dragged.
-fn typed<N: emath::Numeric>(
+/// One of a list. Entries are a name and a line of explanation.
+pub fn list<'n>(
+    ui: &mut Ui,
+    targets: &mut Targets,
+    name: &str,
+    chosen: &str,
+    entries: impl IntoIterator<Item = (&'n str, &'n str)>,
+) -> Option<&'n str> {
+    let mut picked = None;
+    let width = ui.available_width() - 8.0;
+    let list = ComboBox::from_id_salt(name).width(width).truncate().selected_text(chosen).height(400.0);
+    let shown = list.show_ui(ui, |ui| {
+        for (entry, summary) in entries {
+            let response = ui.selectable_label(entry == chosen, entry);
+            targets.put(ui, &response, &format!("{name}={entry}"));
+            let response = if summary.is_empty() { response } else { response.on_hover_text(summary) };
+            if response.clicked() {
+                picked = Some(entry);
+            }
+        }
+    });
+    targets.put(ui, &shown.response, name);
+    picked
+}
+
+/// A number on a slider, fine near 0 where it may be a fraction; whether the user changed it.
+pub fn slide<N: emath::Numeric>(
     ui: &mut Ui,
     targets: &mut Targets,
     name: &str,
     value: &mut N,
-    limit: impl FnOnce(DragValue<'_>) -> DragValue<'_>,
-) {
-    let drag = DragValue::new(value).update_while_editing(false).clamp_existing_to_range(false);
-    let response = ui.add(limit(drag));
+    range: RangeInclusive<N>,
+    unit: &str,
+) -> bool {
+    ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
+    let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(unit);
+    let response = ui.add(if N::INTEGRAL { slider } else { slider.max_decimals(4) });
     targets.put(ui, &response, name);
+    response.changed()
+}
+
+/// A number to be typed or dragged; whether the user changed it.
+pub fn drag<N: emath::Numeric>(
+    ui: &mut Ui,
+    targets: &mut Targets,
+    name: &str,
+    value: &mut N,
+    range: RangeInclusive<N>,
+) -> bool {
+    let speed = if N::INTEGRAL { 0.5 } else { 0.02 };
+    let drag = DragValue::new(value).update_while_editing(false).clamp_existing_to_range(false);
+    let response = ui.add(drag.range(range).speed(speed));
+    targets.put(ui, &response, name);
+    response.changed()
+}
+
+/// Yes or no; whether the user changed it.
+pub fn tick(ui: &mut Ui, targets: &mut Targets, name: &str, value: &mut bool, text: &str) -> bool {
+    let response = ui.checkbox(value, text);
+    targets.put(ui, &response, name);
+    response.changed()
 }

@@ -41,14 +41,14 @@ impl Viewer {
     pub fn save_picture(&mut self) {
         let path = PathBuf::from(self.picture_path.trim());
         let Some(studio) = &mut self.studio else { return };
-        let [width, height] = studio.look().display.size;
+        let [width, height] = studio.look().picture.size;
         let saved = (|| -> Result<(), StudioError> {
             let frame = studio.frame(width, height)?;
             let linear = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
             let picture = match linear || self.picture.is_debug_view() {
                 true => frame.radiance,
                 false => {
-                    let rule = studio.look().display.tone_mapping()?;
+                    let rule = studio.look().display.tone_mapping;
                     gnomon_picture::tonemap::tone_mapped(&frame.radiance, rule, studio.stage().exposure())
                 }
             };

@@ -5,8 +5,8 @@ use gnomon_shaders::layout;
 use super::super::downsample::Downsample;
 use super::{DEPTH_FORMAT, IMAGES, Images};
 use crate::bindings::{Binding, D2_ARRAY, level_view};
-use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
+use crate::shadow::depth_maps::DepthMaps;
 use crate::{Gpu, RenderError};
 
 const BASIS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

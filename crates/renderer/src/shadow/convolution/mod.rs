@@ -3,105 +3,92 @@ mod sat;
 #[cfg(test)]
 mod tests;
 
+use gnomon_options::{Group, choice, choices, number, settings, whole};
 use gnomon_shaders::{layout, twin::series};
 
+use super::ShadowSettings;
+use super::depth_map::{MapFilter, MapShadows};
+use super::depth_maps::{DepthMaps, MapDepth};
 use super::downsample::trilinear_sampler;
-use super::{ShadowResources, ShadowSettings, ShadowTechnique, in_range};
+use super::technique::{ShadowContext, ShadowMemory, ShadowResources, ShadowTechnique};
 use crate::bindings::{Binding, D2_ARRAY, array_view};
-use crate::depth_maps::DepthMaps;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 /// Convolution soft shadows (Annen et al. 2008, sections 3 and 4.1).
 pub(super) struct Convolution;
 
-/// How the basis images are filtered (Annen et al. 2008, section 4.1).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Prefilter {
-    /// Mip maps of half floats.
-    #[default]
-    MipChain,
-    /// Summed-area tables of 32-bit floats: kernels are boxes of the light's own width and height, a disk's that of its variance.
-    SummedAreaTable,
+choices! {
+    /// How the basis images are filtered (Annen et al. 2008, section 4.1).
+    pub enum Prefilter {
+        /// Mip chains of half floats.
+        MipChain = "mip",
+        /// Summed-area tables of 32-bit floats: kernels are boxes of the light's own width and height, a disk's that of its variance.
+        SummedAreaTable = "sat",
+    }
 }
 
-/// Shape of the kernels of a mip chain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Footprint {
-    /// One trilinear lookup as wide as the light is on average.
-    #[default]
-    Isotropic,
-    /// Level by the light's short side and up to four lookups along its long one: true up to sides of 4 to 1, wider beyond.
-    Anisotropic,
+choices! {
+    /// Shape of the kernels of a mip chain.
+    pub enum Footprint {
+        /// One trilinear lookup as wide as the light is on average.
+        Isotropic = "isotropic",
+        /// Level by the light's short side and up to four lookups along its long one: true up to sides of 4 to 1, wider beyond.
+        Anisotropic = "anisotropic",
+    }
 }
 
-/// Parameters of convolution soft shadows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConvolutionSettings {
-    /// Terms of the Fourier series, M: 1 to 16.
-    pub order: u32,
-    /// How the images are filtered.
-    pub prefilter: Prefilter,
-    /// Shape of the kernels of [`Prefilter::MipChain`].
-    pub footprints: Footprint,
-    /// Times that the shadow map's plane is put at the average blocker depth, each under the kernel of the plane before, 0 to 4: 1
-    /// is the paper's two-step lookup (section 3.2). 0 leaves the plane at the near plane: penumbrae are as wide as for a
-    /// blocker there, and there is no blocker depth to sharpen by.
-    pub plane_iterations: u32,
-    /// Value of the filtered series that counts as dark, 0 to 0.4; ringing stays below it. With 0 here and a `white_point` of
-    /// 1 ringing is not suppressed.
-    pub black_point: f32,
-    /// Value of the filtered series that counts as lit, 0.6 to 1; ringing stays above it.
-    pub white_point: f32,
-    /// Strength of the darkening at contacts, A of eq. 9, 0 to 1000; 0 switches it off.
-    pub sharpening_a: f32,
-    /// Falloff of the darkening with blocker distance as a share of the depth range, B of eq. 9, 0 to 1000.
-    pub sharpening_b: f32,
-    /// Distance towards the light by which a receiver is moved in the final lookup, as a share of the depth range over M, 0 to 1:
-    /// the series' own resolution.
-    pub depth_bias: f32,
-    /// Factor on every kernel's width, 0 to 10. Stretching the series between `black_point` and `white_point` narrows penumbrae;
-    /// this widens them again.
-    pub footprint_scale: f32,
-    /// Places of the depth map itself that are looked at for blockers too near for the series, each between four texels, 0 to 64; where
-    /// there are such blockers, as many are filtered again. 0 leaves contacts to the series, as the paper does.
-    pub contact_samples: u32,
-    /// Distance from the receiver up to which blockers are looked for in the depth map, as a share of the depth range over M, 0
-    /// to 4. The series takes over where it sees nothing but blockers at that distance.
-    pub contact_reach: f32,
+static GROUP: Group = Group {
+    table: "convolution",
+    heading: "Convolution soft shadows (convolution)",
+    condition: Some(("shadows", "convolution")),
+};
+
+settings! {
+    /// Parameters of convolution soft shadows. By default the depth map tells what is near ([`ConvolutionSettings::contact_samples`]):
+    /// contacts need no darkening, the series may have more bias, and kernels have the closed form's penumbrae.
+    pub struct ConvolutionSettings in GROUP {
+        /// Terms of the Fourier series, M. More tell blockers apart that are closer to the receiver, and cost time and memory for every
+        /// four.
+        order: u32 = 4, whole(1, 16).alias("order");
+        /// How the images are filtered.
+        prefilter: Prefilter = Prefilter::default(), choice(Prefilter::choices).alias("prefilter");
+        /// Shape of the kernels of a mip chain.
+        footprints: Footprint = Footprint::default(), choice(Footprint::choices);
+        /// Times that the shadow map's plane is put at the average blocker depth, each under the kernel of the plane before: 1 is the
+        /// paper's two-step lookup (section 3.2). 0 leaves the plane at the near plane: penumbrae are as wide as for a blocker there, and
+        /// there is no blocker depth to sharpen by.
+        plane_iterations: u32 = 1, whole(0, 4);
+        /// Value of the filtered series that counts as dark; ringing stays below it. With 0 here and a white point of 1 ringing is not
+        /// suppressed.
+        black_point: f32 = 0.02, number(0.0, 0.4);
+        /// Value of the filtered series that counts as lit; ringing stays above it.
+        white_point: f32 = 0.9, number(0.6, 1.0);
+        /// Strength of the darkening at contacts, A of eq. 9; 0 switches it off.
+        sharpening_a: Option<f32> = None,
+            number(0.0, 1000.0).automatic("0, or 15 where contacts are left to the series", 15.0);
+        /// Falloff of the darkening with blocker distance as a share of the depth range, B of eq. 9.
+        sharpening_b: f32 = 20.0, number(0.0, 1000.0);
+        /// Distance towards the light by which a receiver is moved in the final lookup, as a share of the depth range over M, the series'
+        /// own resolution.
+        depth_bias: Option<f32> = None,
+            number(0.0, 1.0).automatic("0.26, or 0.24 where contacts are left to the series", 0.26);
+        /// Factor on every kernel's width. Stretching the series between black and white point narrows penumbrae; this widens them again.
+        footprint_scale: Option<f32> = None,
+            number(0.0, 10.0).automatic("1.415, or 1.4 where contacts are left to the series", 1.415);
+        /// Places of the depth map itself that are looked at for blockers too near for the series, each between four texels; where there
+        /// are such blockers, as many are filtered again. 0 leaves contacts to the series and its sharpening, as the paper does.
+        contact_samples: u32 = 8, whole(0, 64).alias("contact-samples");
+        /// Distance from the receiver up to which blockers are looked for in the depth map, as a share of the depth range over M. The
+        /// series takes over where it sees nothing but blockers at that distance.
+        contact_reach: f32 = 0.85, number(0.0, 4.0);
+    }
 }
 
 impl ConvolutionSettings {
     /// The paper's method alone: contacts are left to the series and darkened by sharpening.
     pub fn paper() -> Self {
-        Self {
-            order: 4,
-            prefilter: Prefilter::default(),
-            footprints: Footprint::default(),
-            plane_iterations: 1,
-            black_point: 0.02,
-            white_point: 0.9,
-            sharpening_a: 15.0,
-            sharpening_b: 20.0,
-            depth_bias: 0.24,
-            footprint_scale: 1.4,
-            contact_samples: 0,
-            contact_reach: 0.85,
-        }
-    }
-}
-
-impl Default for ConvolutionSettings {
-    /// The depth map tells what is near: contacts need no darkening, and the series may have more bias. Kernels have the closed form's
-    /// penumbrae.
-    fn default() -> Self {
-        Self {
-            sharpening_a: 0.0,
-            depth_bias: 0.26,
-            footprint_scale: 1.415,
-            contact_samples: 8,
-            ..Self::paper()
-        }
+        Self { contact_samples: 0, ..Self::default() }
     }
 }
 
@@ -121,37 +108,32 @@ struct Images {
 impl ConvolutionSettings {
     /// RGBA layers of a light in one basis image.
     fn groups(&self) -> u32 {
-        self.order.clamp(1, 16).div_ceil(4)
+        self.order.div_ceil(4)
     }
 
-    fn parameters(&self, resolution: u32) -> Result<layout::ConvolutionParameters, RenderError> {
-        let order = in_range("series order", self.order, 1..=16)?;
+    fn parameters(&self, resolution: u32) -> layout::ConvolutionParameters {
         let far: [[glam::Vec4; 2]; 4] =
             std::array::from_fn(|group| series::series_phases(series::SERIES_DEPTH_SCALE, group as u32));
-        Ok(layout::ConvolutionParameters {
-            order,
+        let order = self.order as f32;
+        let by_contacts = |with: f32, without: f32| if self.contact_samples == 0 { without } else { with };
+        layout::ConvolutionParameters {
+            order: self.order,
             groups: self.groups(),
             resolution: resolution as f32,
             max_level: resolution.ilog2() as f32,
-            black_point: in_range("black point of convolution shadows", self.black_point, 0.0..=0.4)?,
-            white_point: in_range("white point of convolution shadows", self.white_point, 0.6..=1.0)?,
-            sharpening_a: in_range("sharpening A", self.sharpening_a, 0.0..=1000.0)?,
-            sharpening_b: in_range("sharpening B", self.sharpening_b, 0.0..=1000.0)?,
-            depth_bias: in_range("depth bias of convolution shadows", self.depth_bias, 0.0..=1.0)?
-                / order as f32,
-            average_bias: SERIES_LIT_AT / order as f32,
-            footprint_scale: in_range(
-                "kernel scale of convolution shadows",
-                self.footprint_scale,
-                0.0..=10.0,
-            )?,
-            plane_iterations: in_range("iterations of the shadow map's plane", self.plane_iterations, 0..=4)?,
-            contact_samples: in_range("contact samples", self.contact_samples, 0..=64)?,
-            contact_reach: in_range("reach of contact samples", self.contact_reach, 0.0..=4.0)?.max(1e-3)
-                / order as f32,
+            black_point: self.black_point,
+            white_point: self.white_point,
+            sharpening_a: self.sharpening_a.unwrap_or(by_contacts(0.0, 15.0)),
+            sharpening_b: self.sharpening_b,
+            depth_bias: self.depth_bias.unwrap_or(by_contacts(0.26, 0.24)) / order,
+            average_bias: SERIES_LIT_AT / order,
+            footprint_scale: self.footprint_scale.unwrap_or(by_contacts(1.415, 1.4)),
+            plane_iterations: self.plane_iterations,
+            contact_samples: self.contact_samples,
+            contact_reach: self.contact_reach.max(1e-3) / order,
             far_sin: far.map(|phases| phases[1]),
             far_cos: far.map(|phases| phases[0]),
-        })
+        }
     }
 }
 
@@ -177,8 +159,8 @@ impl ShadowTechnique for Convolution {
         wgpu::Features::FLOAT32_FILTERABLE
     }
 
-    fn needs_depth_maps(&self) -> bool {
-        true
+    fn depth_maps(&self) -> Option<MapDepth> {
+        Some(MapDepth::Linear)
     }
 
     /// In a kernel at the foot of a wall a ground stands in for contacts that a few terms cannot resolve: without it pictures are off by a
@@ -187,29 +169,28 @@ impl ShadowTechnique for Convolution {
         true
     }
 
-    fn bytes_per_light(&self, settings: &ShadowSettings, resolution: u32) -> u64 {
+    fn memory(&self, settings: &ShadowSettings, resolution: u32) -> ShadowMemory {
         let groups = settings.convolution.groups();
-        match settings.convolution.prefilter {
+        let images = match settings.convolution.prefilter {
             Prefilter::MipChain => mip::bytes_per_light(groups, resolution),
             Prefilter::SummedAreaTable => sat::bytes_per_light(groups, resolution),
-        }
+        };
+        ShadowMemory { per_light: DepthMaps::bytes_per_light(resolution) + images, per_pair: 0 }
     }
 
     fn layers_per_light(&self, settings: &ShadowSettings) -> u32 {
         settings.convolution.groups()
     }
 
-    fn resources(
-        &self,
-        gpu: &Gpu,
-        settings: &ShadowSettings,
-        maps: &DepthMaps,
-    ) -> Result<Box<dyn ShadowResources>, RenderError> {
-        Ok(Box::new(Resources::new(gpu, &settings.convolution, maps)?))
+    fn resources(&self, context: &ShadowContext<'_>) -> Result<Box<dyn ShadowResources>, RenderError> {
+        MapShadows::boxed(context, MapDepth::Linear, |maps| {
+            Filtered::new(context.gpu, &context.settings.convolution, maps)
+        })
     }
 }
 
-struct Resources {
+/// The maps' filtered images.
+struct Filtered {
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
     filter: Filter,
@@ -220,9 +201,9 @@ enum Filter {
     SummedAreaTable(sat::SummedAreaTables),
 }
 
-impl Resources {
+impl Filtered {
     fn new(gpu: &Gpu, settings: &ConvolutionSettings, maps: &DepthMaps) -> Result<Self, RenderError> {
-        let parameters = settings.parameters(maps.resolution)?;
+        let parameters = settings.parameters(maps.resolution);
         let parameters = gpu.shared_buffer("convolution", &parameters, wgpu::BufferUsages::UNIFORM);
         let trilinear = trilinear_sampler(gpu);
         let groups = settings.groups();
@@ -267,7 +248,7 @@ impl Resources {
     }
 }
 
-impl ShadowResources for Resources {
+impl MapFilter for Filtered {
     fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }
@@ -277,9 +258,6 @@ impl ShadowResources for Resources {
     }
 
     fn encode(&self, recorder: &mut Recorder<'_>, light_count: u32) {
-        if light_count == 0 {
-            return;
-        }
         match &self.filter {
             Filter::MipChain(chain) => chain.encode(recorder, light_count),
             Filter::SummedAreaTable(tables) => tables.encode(recorder, light_count),

@@ -38,7 +38,7 @@ fn depth_maps(gpu: &Gpu, depths: &[f32]) -> DepthMaps {
         },
         primitive: Default::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
-            format: crate::depth_maps::DEPTH_FORMAT,
+            format: crate::shadow::depth_maps::DEPTH_FORMAT,
             depth_write_enabled: Some(true),
             depth_compare: Some(wgpu::CompareFunction::Always),
             stencil: Default::default(),
@@ -56,7 +56,7 @@ fn depth_maps(gpu: &Gpu, depths: &[f32]) -> DepthMaps {
     });
     let buffer = gpu.buffer_with("depths", bytemuck::cast_slice(depths), wgpu::BufferUsages::STORAGE);
     let group = gpu.bind_group("depths", &layout, &[(0, buffer.as_entire_binding())]);
-    let maps = DepthMaps::new(gpu, 1, SIZE as u32);
+    let maps = DepthMaps::new(gpu, MapDepth::Linear, 1, SIZE as u32);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -92,7 +92,7 @@ fn evaluate(
     lookups: &[Lookup],
 ) -> Vec<[f32; 4]> {
     let maps = depth_maps(gpu, depths);
-    let resources = Resources::new(gpu, settings, &maps).unwrap();
+    let resources = Filtered::new(gpu, settings, &maps).unwrap();
     let mut encoder = new_encoder(gpu);
     let mut recorder = Recorder::new(gpu, &mut encoder, Clock::Off);
     resources.encode(&mut recorder, 1);
@@ -307,25 +307,4 @@ fn average_blocker_depth_is_that_of_the_kernel() {
     assert!(coarse <= tolerances::BLOCKER_DEPTH_4, "{coarse}");
     // A receiver among the blockers has others in front of it.
     assert!(worst(4, 0.2) > tolerances::BLOCKER_DEPTH_4);
-}
-
-#[test]
-fn settings_out_of_range_are_named() {
-    let wrong = |change: fn(&mut ConvolutionSettings)| {
-        let mut settings = ConvolutionSettings::default();
-        change(&mut settings);
-        settings.parameters(64).err().map(|error| error.to_string())
-    };
-    assert!(wrong(|_| {}).is_none());
-    assert!(wrong(|s| s.order = 0).unwrap().contains("1 to 16"));
-    assert!(wrong(|s| s.order = u32::MAX).is_some());
-    assert!(wrong(|s| s.plane_iterations = 5).unwrap().contains("0 to 4"));
-    assert!(wrong(|s| s.black_point = 0.5).unwrap().contains("black point"));
-    assert!(wrong(|s| s.white_point = 0.5).unwrap().contains("white point"));
-    assert!(wrong(|s| s.sharpening_a = f32::NAN).unwrap().contains("sharpening A"));
-    assert!(wrong(|s| s.sharpening_b = -1.0).is_some());
-    assert!(wrong(|s| s.depth_bias = f32::INFINITY).is_some());
-    assert!(wrong(|s| s.footprint_scale = -0.1).is_some());
-    assert!(wrong(|s| s.contact_samples = 65).unwrap().contains("0 to 64"));
-    assert!(wrong(|s| s.contact_reach = f32::NAN).unwrap().contains("reach"));
 }

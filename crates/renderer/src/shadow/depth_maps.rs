@@ -1,17 +1,27 @@
+//! Depth of the scene as lights see it.
+
 use gnomon_shaders::layout;
 
-use std::ops::Range;
-
+use super::technique::FrameInputs;
 use crate::bindings::{Binding, array_view};
-use crate::geometry::Geometry;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// What a depth map holds. Maps of distant lights are orthographic: there both are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MapDepth {
+    /// The share of the way from near to far plane.
+    Linear,
+    /// What a z-buffer stores, z / w: in a perspective map it resolves near depths finely and far ones coarsely.
+    Projected,
+}
+
 /// Depth maps for a batch of lights, the layers of one texture array.
 pub(crate) struct DepthMaps {
     pub array: wgpu::TextureView,
+    depth: MapDepth,
     pub resolution: u32,
     /// Number of lights there is room for.
     pub capacity: u32,
@@ -19,7 +29,7 @@ pub(crate) struct DepthMaps {
 }
 
 impl DepthMaps {
-    pub fn new(gpu: &Gpu, capacity: u32, resolution: u32) -> Self {
+    pub fn new(gpu: &Gpu, depth: MapDepth, capacity: u32, resolution: u32) -> Self {
         let texture = gpu.texture(
             "depth maps",
             [resolution, resolution, capacity.max(1)],
@@ -37,7 +47,7 @@ impl DepthMaps {
                 })
             })
             .collect();
-        Self { array: array_view(&texture), resolution, capacity, layers }
+        Self { array: array_view(&texture), depth, resolution, capacity, layers }
     }
 
     /// GPU memory of one light's map in bytes.
@@ -46,19 +56,14 @@ impl DepthMaps {
     }
 }
 
-/// What a light's map shows.
-#[derive(Clone, Debug)]
-pub(crate) struct MapView {
-    pub is_perspective: bool,
-    /// Of the geometry's indices those that are drawn.
-    pub indices: Vec<Range<u32>>,
-}
-
 /// Draws the scene's depth as every light sees it.
+#[derive(Clone)]
 pub(crate) struct ShadowMapPass {
     layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::RenderPipeline,
-    perspective_pipeline: wgpu::RenderPipeline,
+    /// The depth that the rasteriser makes.
+    projected: wgpu::RenderPipeline,
+    /// Linear depth under a perspective.
+    linear: wgpu::RenderPipeline,
 }
 
 impl ShadowMapPass {
@@ -104,9 +109,9 @@ impl ShadowMapPass {
             compilation_options: Default::default(),
             targets: &[],
         };
-        let perspective_pipeline = pipeline("perspective_shadow_map", Some(linear_depth));
-        let pipeline = pipeline("shadow_map", None);
-        Ok(Self { layout: bindings, pipeline, perspective_pipeline })
+        let linear = pipeline("linear_shadow_map", Some(linear_depth));
+        let projected = pipeline("shadow_map", None);
+        Ok(Self { layout: bindings, projected, linear })
     }
 
     /// Bind group of the lights of one batch, a buffer of [`layout::Light`].
@@ -115,15 +120,10 @@ impl ShadowMapPass {
     }
 
     /// Draws the maps of a batch of lights.
-    pub fn encode(
-        &self,
-        recorder: &mut Recorder<'_>,
-        geometry: &Geometry,
-        maps: &DepthMaps,
-        lights_group: &wgpu::BindGroup,
-        views: &[MapView],
-    ) {
-        for ((light, layer), view) in (0..).zip(&maps.layers).zip(views) {
+    pub fn encode(&self, recorder: &mut Recorder<'_>, maps: &DepthMaps, frame: &FrameInputs<'_>) {
+        let (geometry, lights) = (frame.geometry, frame.lights);
+        let drawn = maps.layers.iter().zip(lights.uniforms).zip(lights.casters);
+        for (number, ((layer, light), casters)) in (0..).zip(drawn) {
             let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -137,16 +137,16 @@ impl ShadowMapPass {
                 ..Default::default()
             });
             if geometry.index_count > 0 {
-                pass.set_pipeline(if view.is_perspective {
-                    &self.perspective_pipeline
-                } else {
-                    &self.pipeline
+                let is_orthographic = light.kind == layout::KIND_DISTANT;
+                pass.set_pipeline(match maps.depth {
+                    MapDepth::Linear if !is_orthographic => &self.linear,
+                    _ => &self.projected,
                 });
-                pass.set_bind_group(layout::GROUP_PASS, lights_group, &[]);
+                pass.set_bind_group(layout::GROUP_PASS, lights.group, &[]);
                 pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
                 pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-                for indices in &view.indices {
-                    pass.draw_indexed(indices.clone(), 0, light..light + 1);
+                for indices in &casters.indices {
+                    pass.draw_indexed(indices.clone(), 0, number..number + 1);
                 }
             }
         }

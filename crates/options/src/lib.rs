@@ -1,0 +1,30 @@
+//! Options that are declared once.
+//!
+//! [`settings!`] declares a struct whose fields are options: type, default, range or choices, unit, and a help sentence that is the
+//! field's documentation. [`choices!`] declares an enum whose variants are the choices of an option. Command line, scene file, panel
+//! and documentation are made by whoever walks over [`Options`]; none of them names an option.
+//!
+//! [`Given`] holds the options that somebody gave, and only those. It is what a command line, a table of a scene file and the
+//! difference of two settings have in common, and it is laid over settings: defaults first, then the scene file, then the command line.
+
+mod choices;
+mod error;
+mod field;
+mod given;
+mod settings;
+mod spec;
+mod text;
+mod value;
+
+pub use error::OptionError;
+pub use field::OptionField;
+pub use given::Given;
+pub use settings::{Options, specs};
+pub use spec::{Choice, Group, Kind, OptionSpec, between, choice, number, power_of_two, size, whole, yes_no};
+pub use text::markdown;
+pub use value::OptionValue;
+
+#[doc(hidden)]
+pub use given::serialize;
+#[doc(hidden)]
+pub use serde;

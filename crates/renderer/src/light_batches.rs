@@ -1,0 +1,314 @@
+//! The frame's lights in batches, each with what its shadow technique keeps for it.
+
+use glam::Vec3;
+use gnomon_scene::PlacedLight;
+use gnomon_shaders::layout;
+
+use crate::batch_plan::{Budget, Class, LightNeeds, plan};
+use crate::geometry::Geometry;
+use crate::light_pass::{self, LightPass};
+use crate::light_uniforms::{FittedLights, LightFitting, frame_lights, sum_scales};
+use crate::lighting::Lighting;
+use crate::recorder::Recorder;
+use crate::shading_points::ShadingPoints;
+use crate::shadow::depth_maps::DepthMaps;
+use crate::shadow::technique::{
+    BatchSize, FrameInputs, FrameLights, ShadowContext, ShadowResources, ShadowTechnique, SharedPasses,
+};
+use crate::{Gpu, RenderError, TechniqueSettings};
+
+/// All lights of a frame in batches, planned for a number of shading points.
+pub(crate) struct LightBatches {
+    classes: Vec<ClassShadows>,
+    batches: Vec<Batch>,
+    bytes: u64,
+    /// Room on each list of shading points that was planned for; `None` where it makes no difference.
+    points: Option<Vec<u64>>,
+    fitting: LightFitting,
+    sum_scales: Vec3,
+    /// Whether lights, scene or pose are others than those that batches are fitted to.
+    is_stale: bool,
+    /// Whether they were fitted anew for the frame, or band of one, that comes next.
+    is_refitted: bool,
+}
+
+/// What batches of one class use in turn.
+struct ClassShadows {
+    needs: LightNeeds,
+    shadows: Box<dyn ShadowResources>,
+}
+
+/// Lights whose shadows are held together.
+pub(crate) struct Batch {
+    class: usize,
+    /// Lights by their place in the frame's list.
+    members: Vec<usize>,
+    fitted: FittedLights,
+    /// [`layout::Light`] of each member.
+    pub lights: wgpu::Buffer,
+    /// A [`layout::Batch`].
+    pub parameters: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    lights_group: wgpu::BindGroup,
+}
+
+/// What batches are made with.
+pub(crate) struct BatchContext<'a> {
+    pub gpu: &'a Gpu,
+    pub shared: &'a SharedPasses,
+    pub technique: &'static dyn ShadowTechnique,
+    pub settings: &'a TechniqueSettings,
+    pub view: &'a wgpu::Buffer,
+}
+
+/// What a frame's light is summed of.
+#[derive(Clone, Copy)]
+pub(crate) struct LitScene<'a> {
+    pub geometry: &'a Geometry,
+    /// Bind group of what the camera sees.
+    pub gbuffer: &'a wgpu::BindGroup,
+    /// Lists of shading points.
+    pub points: &'a [ShadingPoints],
+    /// Of the bands of a picture.
+    pub is_first_band: bool,
+}
+
+impl LightBatches {
+    /// Batches for the lights of `lighting` and the scene, summed at lists of points with so much room.
+    ///
+    /// # Errors
+    /// [`RenderError::OverBudget`] or [`RenderError::OverLimit`] where not even one light fits, [`RenderError::OutOfRange`] for a setting of the
+    /// technique.
+    pub fn new(
+        context: &BatchContext<'_>,
+        lighting: &Lighting,
+        near_lights: &[PlacedLight],
+        points: &[u64],
+    ) -> Result<Self, RenderError> {
+        let BatchContext { gpu, shared, technique, settings, view } = *context;
+        let shadow_settings = &settings.shadow_settings;
+        // What is decided by the lights' sizes does not change as the environment turns.
+        let all = frame_lights(lighting.fitted(), near_lights);
+        let needs: Vec<LightNeeds> = all.iter().map(|light| light.needs(technique, settings)).collect();
+        let room = |needs: LightNeeds| points.get(needs.points).copied().unwrap_or(0);
+        let memory = |needs: LightNeeds| technique.memory(shadow_settings, needs.resolution);
+        let bytes_per_light = |needs| memory(needs).per_light + memory(needs).per_pair * room(needs);
+        let most_lights = |needs| {
+            let layers = technique.layers_per_light(shadow_settings);
+            let by_layers = gpu.max_layers().checked_div(layers).unwrap_or(u32::MAX);
+            let bytes = memory(needs).per_pair * room(needs);
+            let by_bytes = gpu.largest_storage().checked_div(bytes).unwrap_or(u64::MAX);
+            by_layers.min(layout::MAX_BATCH_LIGHTS).min(by_bytes.try_into().unwrap_or(u32::MAX))
+        };
+        let mut planned = plan(
+            &needs,
+            &Budget {
+                bytes_per_light: &bytes_per_light,
+                bytes: u64::from(settings.shadow_memory) << 20,
+                most_lights: &most_lights,
+                adapter: &gpu.adapter().name,
+            },
+        )?;
+        if planned.is_empty() {
+            // Without lights there is still one pass, which clears the sums.
+            let needs = LightNeeds { resolution: 1, points: 0 };
+            planned.push(Class { needs, capacity: 0, batches: vec![Vec::new()] });
+        }
+
+        let bytes =
+            planned.iter().map(|class| u64::from(class.capacity) * bytes_per_light(class.needs)).sum();
+        let by_pair = planned.iter().any(|class| memory(class.needs).per_pair > 0);
+        let mut classes = Vec::with_capacity(planned.len());
+        let mut batches: Vec<Batch> = Vec::new();
+        for (index, class) in planned.into_iter().enumerate() {
+            let LightNeeds { resolution, .. } = class.needs;
+            let size = BatchSize { lights: class.capacity, resolution, points: room(class.needs) };
+            let shadows =
+                technique.resources(&ShadowContext { gpu, settings: shadow_settings, shared, size })?;
+            classes.push(ClassShadows { needs: class.needs, shadows });
+            for members in class.batches {
+                let is_first = batches.is_empty();
+                batches.push(Batch::new(gpu, shared, view, (index, members), is_first));
+            }
+        }
+        Ok(Self {
+            classes,
+            batches,
+            bytes,
+            points: by_pair.then(|| points.to_vec()),
+            fitting: LightFitting::new(technique, settings),
+            sum_scales: Vec3::ONE,
+            is_stale: true,
+            is_refitted: false,
+        })
+    }
+
+    /// What sums of light are multiplied by to be kept in halves ([`layout::View::sum_scales`]).
+    pub fn sum_scales(&self) -> Vec3 {
+        self.sum_scales
+    }
+
+    /// Whether the plan holds for lists of points with so much room.
+    pub fn is_planned_for(&self, points: &[u64]) -> bool {
+        let fits = |(planned, wanted): (&u64, &u64)| (*wanted..=2 * *wanted).contains(planned);
+        let planned =
+            |planned: &Vec<u64>| planned.len() == points.len() && planned.iter().zip(points).all(fits);
+        self.points.as_ref().is_none_or(planned)
+    }
+
+    /// GPU memory of what the technique keeps, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Number of batches.
+    pub fn len(&self) -> usize {
+        self.batches.len()
+    }
+
+    /// Layout of the technique's bind group, the same for every class.
+    pub fn shadow_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.classes.first().map(|class| class.shadows.layout())
+    }
+
+    /// Number of lights.
+    pub fn light_count(&self) -> usize {
+        self.sizes().sum::<u32>() as usize
+    }
+
+    /// Number of lights in every batch.
+    pub fn sizes(&self) -> impl Iterator<Item = u32> {
+        self.batches.iter().map(|batch| batch.members.len() as u32)
+    }
+
+    /// Batch of a light of the frame's list, and its place there.
+    pub fn place_of(&self, light: usize) -> Option<(usize, u32)> {
+        let place = |batch: &Batch| batch.members.iter().position(|&member| member == light);
+        self.batches.iter().enumerate().find_map(|(i, batch)| Some((i, place(batch)? as u32)))
+    }
+
+    /// [`layout::Light`]s of every batch, and their depth maps where there are any.
+    pub fn lights_and_maps(&self) -> impl Iterator<Item = (&wgpu::Buffer, Option<&DepthMaps>)> {
+        self.batches.iter().map(|batch| (&batch.lights, self.classes[batch.class].shadows.depth_maps()))
+    }
+
+    /// Sums all lights of every batch, or only one of the frame's list.
+    pub fn sum_only(&mut self, gpu: &Gpu, only: Option<usize>) {
+        let only = only.map(|light| self.place_of(light));
+        for (i, batch) in self.batches.iter().enumerate() {
+            let (first, end) = match only {
+                None => (0, batch.members.len() as u32),
+                Some(Some((chosen, light))) if chosen == i => (light, light + 1),
+                Some(_) => (0, 0),
+            };
+            gpu.write(&batch.parameters, &Batch::parameters(first, end, i == 0));
+        }
+        self.is_stale = true;
+    }
+
+    /// Lights, scene or pose are others from now on.
+    pub fn refit(&mut self) {
+        self.is_stale = true;
+    }
+
+    /// Fits every light around the scene as it stands, unless nothing has moved since.
+    pub fn fit(
+        &mut self,
+        gpu: &Gpu,
+        (lighting, near_lights): (&Lighting, &[PlacedLight]),
+        geometry: &Geometry,
+        only: Option<usize>,
+    ) {
+        self.is_refitted = std::mem::take(&mut self.is_stale);
+        if !self.is_refitted {
+            return;
+        }
+        let all = frame_lights([&lighting.lights, &lighting.probes], near_lights);
+        for batch in &mut self.batches {
+            let LightNeeds { resolution, .. } = self.classes[batch.class].needs;
+            batch.fitted = self.fitting.fit(&all, &batch.members, resolution, geometry, only);
+            gpu.write(&batch.lights, batch.fitted.uniforms.as_slice());
+        }
+        self.sum_scales = sum_scales(self.batches.iter().flat_map(|batch| &batch.fitted.uniforms));
+    }
+
+    /// Makes what visibility needs, and sums light, batch after batch.
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        light: &LightPass,
+        scene: LitScene<'_>,
+    ) -> Result<(), RenderError> {
+        for batch in &self.batches {
+            let Some(frame) = self.frame(batch, scene) else { continue };
+            let shadows = &self.classes[batch.class].shadows;
+            shadows.prepare(recorder, &frame)?;
+            light.encode(recorder, [frame.frame, frame.gbuffer, shadows.bind_group()], frame.points);
+            recorder.end_pass("light")?;
+        }
+        Ok(())
+    }
+
+    /// Makes what visibility of one batch needs once more: another batch of its class may have taken its place.
+    pub fn prepare_again(
+        &self,
+        recorder: &mut Recorder<'_>,
+        scene: LitScene<'_>,
+        batch: usize,
+    ) -> Result<(), RenderError> {
+        let batch = self.batches.get(batch);
+        let Some((batch, frame)) = batch.and_then(|batch| Some((batch, self.frame(batch, scene)?))) else {
+            return Ok(());
+        };
+        self.classes[batch.class].shadows.prepare(recorder, &frame)
+    }
+
+    /// The frame as the technique sees it for a batch.
+    fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>) -> Option<FrameInputs<'a>> {
+        let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
+        Some(FrameInputs {
+            geometry: scene.geometry,
+            frame: &batch.frame_group,
+            gbuffer: scene.gbuffer,
+            points: scene.points.get(self.classes[batch.class].needs.points)?,
+            lights: FrameLights {
+                uniforms: &batch.fitted.uniforms,
+                casters: &batch.fitted.casters,
+                group: &batch.lights_group,
+            },
+            same_lights: !scene.is_first_band && !takes_turns && !self.is_refitted,
+        })
+    }
+}
+
+impl Batch {
+    fn new(
+        gpu: &Gpu,
+        shared: &SharedPasses,
+        view: &wgpu::Buffer,
+        (class, members): (usize, Vec<usize>),
+        is_first: bool,
+    ) -> Self {
+        let lights = gpu.empty_buffer(
+            "lights",
+            layout::size::<layout::Light>() * u64::from(layout::MAX_BATCH_LIGHTS),
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        );
+        let parameters = Self::parameters(0, members.len() as u32, is_first);
+        let parameters = gpu.shared_buffer("batch", &parameters, wgpu::BufferUsages::UNIFORM);
+        Self {
+            class,
+            members,
+            fitted: FittedLights::default(),
+            frame_group: light_pass::frame_group(gpu, &shared.frame, view, [&lights, &parameters]),
+            lights_group: shared.shadow_map.lights_group(gpu, &lights),
+            lights,
+            parameters,
+        }
+    }
+
+    fn parameters(first_light: u32, end_light: u32, first: bool) -> layout::Batch {
+        let flags = if first { layout::FLAG_FIRST } else { 0 };
+        layout::Batch { first_light, end_light, flags }
+    }
+}

@@ -1,0 +1,140 @@
+//! The frame's lights as shaders see them, each with what may block it.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use gnomon_lights::DistantLight;
+use gnomon_scene::PlacedLight;
+use gnomon_shaders::layout;
+
+use crate::TechniqueSettings;
+use crate::batch_plan::LightNeeds;
+use crate::casters::{Casters, DrawnCasters};
+use crate::geometry::Geometry;
+use crate::light_frame::{footprint, hidden_deviation, light_uniform};
+use crate::near_light_frame::near_light_uniform;
+use crate::shadow::technique::ShadowTechnique;
+
+/// A light of the frame: the environment's, its probes, the scene's own.
+#[derive(Clone, Copy)]
+pub(crate) enum FrameLight<'a> {
+    Distant { light: &'a DistantLight, role: u32 },
+    Near(&'a PlacedLight),
+}
+
+/// All lights in the order of the frame's list.
+pub(crate) fn frame_lights<'a>(
+    [lights, probes]: [&'a [DistantLight]; 2],
+    near: &'a [PlacedLight],
+) -> Vec<FrameLight<'a>> {
+    let with = |role| move |light| FrameLight::Distant { light, role };
+    let lights = lights.iter().map(with(layout::ROLE_LIGHT));
+    let probes = probes.iter().map(with(layout::ROLE_PROBE));
+    lights.chain(probes).chain(near.iter().map(FrameLight::Near)).collect()
+}
+
+impl FrameLight<'_> {
+    /// What decides with which other lights it shares a batch.
+    pub fn needs(&self, technique: &dyn ShadowTechnique, settings: &TechniqueSettings) -> LightNeeds {
+        let resolution = match self {
+            _ if technique.depth_maps().is_none() => 1,
+            Self::Distant { light, .. } => {
+                settings.shadow_sizing.resolution(footprint(light), settings.shadow_resolution)
+            }
+            Self::Near(_) => settings.shadow_resolution,
+        };
+        // All lights are summed at the same points.
+        LightNeeds { resolution, points: 0 }
+    }
+}
+
+/// Lights fitted around the scene as it stands.
+#[derive(Default)]
+pub(crate) struct FittedLights {
+    pub uniforms: Vec<layout::Light>,
+    pub casters: Vec<DrawnCasters>,
+}
+
+/// How lights are fitted.
+pub(crate) struct LightFitting {
+    /// Receivers are moved along their normal by so many texels.
+    pub normal_offset_texels: f32,
+    /// Simpler meshes may deviate by so many.
+    pub caster_deviation_texels: f32,
+    /// Whether grounds block lights that shine on their upper side.
+    pub draws_grounds: bool,
+}
+
+impl LightFitting {
+    pub fn new(technique: &dyn ShadowTechnique, settings: &TechniqueSettings) -> Self {
+        Self {
+            normal_offset_texels: settings.normal_offset,
+            caster_deviation_texels: settings.caster_deviation,
+            draws_grounds: technique.draws_grounds(),
+        }
+    }
+
+    /// Fits `members` of the frame's list around the scene. The light `only` counts as a probe, which tells its visibility.
+    pub fn fit(
+        &self,
+        all: &[FrameLight<'_>],
+        members: &[usize],
+        resolution: u32,
+        geometry: &Geometry,
+        only: Option<usize>,
+    ) -> FittedLights {
+        let fitted = members.iter().filter_map(|&place| {
+            let (mut uniform, casters) = self.fitted(all.get(place)?, resolution, geometry);
+            if only == Some(place) {
+                uniform.role = layout::ROLE_PROBE;
+            }
+            Some((uniform, casters))
+        });
+        let (uniforms, casters) = fitted.unzip();
+        FittedLights { uniforms, casters }
+    }
+
+    fn fitted(
+        &self,
+        light: &FrameLight<'_>,
+        resolution: u32,
+        geometry: &Geometry,
+    ) -> (layout::Light, DrawnCasters) {
+        let scene = &geometry.placed_boxes;
+        let (mut uniform, wanted) = match *light {
+            FrameLight::Distant { light, role } => {
+                let uniform = light_uniform(light, scene, resolution, self.normal_offset_texels);
+                let deviation_world =
+                    hidden_deviation(light, &uniform, resolution, self.caster_deviation_texels);
+                let above = (!self.draws_grounds).then_some(light);
+                (layout::Light { role, ..uniform }, Casters { above, deviation_world })
+            }
+            FrameLight::Near(light) => {
+                let uniform = near_light_uniform(light, scene, resolution, self.normal_offset_texels);
+                (uniform, Casters::default())
+            }
+        };
+        let drawn = scene.casters(&wanted, geometry.index_count);
+        uniform.caster_deviation_world = drawn.deviation_world;
+        (uniform, drawn)
+    }
+}
+
+/// What the sums of these lights are multiplied by to lie within the range of halves, 6e-8 to 65504, with all of their precision down to a
+/// thirty-millionth of the most that they can be: irradiance is no more than what all lights give a surface that faces them; a highlight, which
+/// follows their radiance, may be brighter than the light.
+pub(crate) fn sum_scales<'a>(lights: impl Iterator<Item = &'a layout::Light>) -> Vec3 {
+    const MOST: Vec3 = Vec3::new(32768.0, 2048.0, 16384.0);
+    let most = |light: &layout::Light| {
+        let radiance = light.radiance.max_element();
+        match (light.kind, light.role) {
+            (layout::KIND_DISTANT, layout::ROLE_LIGHT) => {
+                Vec3::new(radiance * light.solid_angle, radiance, 0.0)
+            }
+            (layout::KIND_DISTANT, _) => Vec3::ZERO,
+            _ => Vec3::new(0.0, 0.0, PI * radiance),
+        }
+    };
+    let most: Vec3 = lights.map(most).sum();
+    Vec3::select(most.cmpgt(Vec3::splat(1e-30)), MOST / most, Vec3::ONE)
+}

@@ -1,0 +1,322 @@
+//! Drawing frames: whole, in bands, for a file, a benchmark or a window.
+
+use glam::Mat4;
+use gnomon_picture::tonemap::ToneMapping;
+use gnomon_scene::Camera;
+use gnomon_shaders::layout;
+
+use super::bands::{Band, BandInFlight, BandsInFlight};
+use super::{Frame, Lit, Renderer, State, Target};
+use crate::RenderError;
+use crate::camera::CameraMatrices;
+use crate::compose::RADIANCE_FORMAT;
+use crate::gpu::TextureReadBack;
+use crate::light_batches::LitScene;
+use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
+use crate::settings::{Chosen, in_range};
+use crate::shading_points::SumPlanes;
+
+impl Renderer {
+    /// Draws one frame of `width` x `height` pixels and waits for it: [`Renderer::render_async`], waited for.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
+        let frame = self.render_async(camera, width, height);
+        self.gpu.wait_for(frame)
+    }
+
+    /// Draws one frame of `width` x `height` pixels and reads it back. When this returns everything is recorded and submitted, and the
+    /// renderer is free for the next frame; the future is ready once the GPU has drawn it and the device was polled after that
+    /// ([`wgpu::Device::poll`], [`wgpu::Queue::submit`]; browsers do so by themselves).
+    ///
+    /// Where the adapter allows no buffer for the light of all its samples the picture is drawn in bands of rows;
+    /// [`Renderer::display_view`] then shows the last one.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
+    /// [`RenderError::NotFinite`] where it drew what is no picture.
+    pub fn render_async(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> impl Future<Output = Result<Frame, RenderError>> + Send + use<> {
+        let size = [width, height];
+        let begun = self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size)));
+        async move { begun?.frame().await }
+    }
+
+    /// Submits every band with its read-back: each is copied before the next one is drawn in its place.
+    pub(super) fn begin_bands(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        bands: &[Band],
+    ) -> Result<BandsInFlight, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new() };
+        for band in bands {
+            let scopes = gpu.catch_errors();
+            self.judge_clocks(camera, size, band)?;
+            let mut encoder = new_encoder(&gpu);
+            let timings = self.record_band(&mut encoder, camera, size, band, self.clock())?;
+            let Some(target) = &self.target else {
+                return Err(RenderError::Device("no frame was drawn".to_owned()));
+            };
+            let mut read = |texture, bytes| TextureReadBack::new(&gpu, &mut encoder, texture, bytes);
+            let (radiance, display) = (read(&target.output.radiance, 16), read(&target.output.display, 4));
+            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, timings });
+            gpu.queue.submit([encoder.finish()]);
+            scopes.finish()?;
+        }
+        Ok(in_flight)
+    }
+
+    /// Draws one frame without reading it back, in bands as [`Renderer::render`] does, and waits until the device is idle: what a
+    /// benchmark times.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn draw(
+        &mut self,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<crate::PassTiming>, RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let mut times = Vec::new();
+        for band in self.bands(size) {
+            let timings = self.submit_band(camera, size, &band, self.settings().measure.profile)?;
+            self.gpu.wait()?;
+            crate::recorder::add_times(&mut times, self.gpu.wait_for(timings.passes())?);
+        }
+        Ok(times)
+    }
+
+    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`]. Gives the frame's number, under
+    /// which [`Renderer::take_times`] tells its times later where they are asked for ([`crate::MeasureSettings::profile`]).
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
+    /// may come only with a later call.
+    pub fn submit(&mut self, camera: &Camera, width: u32, height: u32) -> Result<u64, RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let is_timed = self.settings().measure.profile && self.in_flight.has_room();
+        let timings = self.submit_band(camera, size, &Band::whole(height), is_timed)?;
+        Ok(self.in_flight.add(is_timed.then_some(timings)))
+    }
+
+    /// Records one frame into an encoder of the embedding program, which submits it: for a program that draws everything in one
+    /// submission. What changes from frame to frame is uploaded through the device's queue at once, so that an encoder can hold one
+    /// frame of a renderer, and it is to be submitted before the renderer draws another. Passes are not timed.
+    ///
+    /// # Errors
+    /// As [`Renderer::submit`].
+    pub fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<(), RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let scopes = self.gpu.catch_errors();
+        self.record_band(encoder, camera, size, &Band::whole(height), Clock::Off)?;
+        scopes.finish()
+    }
+
+    fn submit_band(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        band: &Band,
+        is_timed: bool,
+    ) -> Result<FrameTimings, RenderError> {
+        let scopes = self.gpu.catch_errors();
+        self.judge_clocks(camera, size, band)?;
+        let clock = if is_timed { self.clock() } else { Clock::Off };
+        let mut encoder = new_encoder(&self.gpu);
+        let timings = self.record_band(&mut encoder, camera, size, band, clock)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        scopes.finish()?;
+        Ok(timings)
+    }
+
+    /// Waits until everything that was submitted is drawn.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] where the device failed.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait(&self) -> Result<(), RenderError> {
+        self.gpu.wait()
+    }
+
+    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+        let largest =
+            self.gpu.device.limits().max_texture_dimension_2d / self.settings().techniques.supersample;
+        in_range("picture width", width, 1..=largest)?;
+        in_range("picture height", height, 1..=largest)?;
+        Ok(())
+    }
+
+    /// Records the rows of a band of a picture of `width` x `height` pixels, top row first.
+    pub(super) fn record_band(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        band: &Band,
+        clock: Clock,
+    ) -> Result<FrameTimings, RenderError> {
+        let rows = band.drawn.clone();
+        let is_first = band.kept.start == 0;
+        self.gpu.check()?;
+        let size = [width, rows.len() as u32];
+        let planes = self.sum_planes();
+        let fits = |target: &Target| target.size == size && target.points.iter().all(|p| p.planes == planes);
+        if !self.target.as_ref().is_some_and(fits) {
+            self.target = Some(self.new_target(size)?);
+        }
+        self.fit_lights()?;
+        let State { chosen, compose, cache, lit } = &self.state;
+        let (Some(lit), Some(target), settings) = (lit, &self.target, &chosen.settings) else {
+            return Err(RenderError::Device("no lighting was set".to_owned()));
+        };
+        let samples = settings.techniques.supersample;
+        let sample_size = size.map(|side| side * samples);
+        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+        let matrices = matrices.cropped(height, rows);
+        self.write_uniforms((lit, target), camera, &matrices, sample_size);
+
+        let mut recorder = Recorder::new(&self.gpu, encoder, clock);
+        if is_first {
+            self.passes.transform.encode(&mut recorder, &self.geometry);
+        }
+        recorder.end_pass("transform")?;
+        self.passes.gbuffer.encode(
+            &mut recorder,
+            &target.gbuffer,
+            &self.view_group,
+            &self.geometry,
+            &self.materials,
+        );
+        recorder.end_pass("gbuffer")?;
+        let gbuffer_group = &target.gbuffer.group;
+        for points in &target.points {
+            self.passes.points.encode(&mut recorder, points, &self.view_group, gbuffer_group);
+        }
+        recorder.end_pass("points")?;
+        let scene = LitScene {
+            geometry: &self.geometry,
+            gbuffer: gbuffer_group,
+            points: &target.points,
+            is_first_band: is_first,
+        };
+        lit.batches.encode(&mut recorder, &lit.light, scene)?;
+        let (mut exposure, mut tone_mapping) =
+            (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
+        if let Some(debug) = &self.debug {
+            self.encode_debug_view(&mut recorder, debug, (lit, target, scene), camera, sample_size)?;
+            recorder.end_pass("debug view")?;
+            (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
+        } else {
+            if is_first {
+                self.passes.cache.encode(&mut recorder, cache, &lit.environment.cache);
+            }
+            recorder.end_pass("radiance cache")?;
+            let groups = [
+                (layout::GROUP_FRAME, &lit.environment.compose),
+                (layout::GROUP_SURFACE, gbuffer_group),
+                (layout::GROUP_PASS, &target.points[0].compose_group),
+            ];
+            compose.encode(&mut recorder, groups, sample_size);
+            recorder.end_pass("compose")?;
+        }
+        self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
+        recorder.end_pass("resolve")?;
+        Ok(recorder.finish())
+    }
+
+    fn write_uniforms(
+        &self,
+        (lit, target): (&Lit, &Target),
+        camera: &Camera,
+        matrices: &CameraMatrices,
+        [width, height]: [u32; 2],
+    ) {
+        let (interleave, planes) = (target.gbuffer.interleave, target.points[0].planes);
+        let Chosen { settings, unshadowed, .. } = &self.state.chosen;
+        let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
+        let flag = |on, flag| if on { flag } else { 0 };
+        let view = layout::View {
+            clip_from_world: matrices.clip_from_world,
+            world_from_clip: matrices.world_from_clip,
+            eye_world: matrices.eye_world,
+            size: [width, height].into(),
+            flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
+                | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
+                | flag(planes.specular, layout::FLAG_SPECULAR_SUMS)
+                | flag(planes.near, layout::FLAG_NEAR_SUMS),
+            shadow_sampling: settings.techniques.shadow_sampling,
+            sample_extent: matrices.view_width / width as f32,
+            interleave,
+            sum_scales: lit.batches.sum_scales(),
+            residual_sh: lit.lighting.residual_sh,
+            full_sh: lit.lighting.full_sh,
+            environment_from_world,
+        };
+        self.gpu.write(&self.view, &view);
+        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+        self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+    }
+
+    /// The sums of light that scene and lights ask for.
+    fn sum_planes(&self) -> SumPlanes {
+        SumPlanes { specular: self.is_glossy, near: !self.near_lights.is_empty() }
+    }
+
+    /// Plans batches anew where the target's points ask for it, and fits lights around the scene where anything moved.
+    fn fit_lights(&mut self) -> Result<(), RenderError> {
+        let room = self.room_for_points();
+        if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(&room))
+            && let Some(lit) = self.relit(&self.near_lights)?
+        {
+            self.take_lit(lit);
+        }
+        if let Some(lit) = &mut self.state.lit {
+            let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
+            let lights = (&lit.lighting, self.near_lights.as_slice());
+            lit.batches.fit(&self.gpu, lights, &self.geometry, only);
+        }
+        Ok(())
+    }
+
+    fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
+        let gpu = &self.gpu;
+        let techniques = &self.settings().techniques;
+        let sample_size = size.map(|side| side * techniques.supersample);
+        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+        let [width, height] = sample_size;
+        let samples = gpu
+            .texture("samples", [width, height, 1], 1, RADIANCE_FORMAT, usage)
+            .create_view(&Default::default());
+        Ok(Target {
+            size,
+            gbuffer: self.passes.gbuffer.target(gpu, &self.materials, sample_size, techniques.supersample),
+            points: [self.passes.points.points(
+                gpu,
+                sample_size,
+                techniques.shadow_sampling,
+                self.sum_planes(),
+                &samples,
+            )?],
+            output: self.passes.resolve.output(gpu, &samples, size),
+        })
+    }
+}

@@ -1,0 +1,41 @@
+#import view
+#import half_pairs
+
+// What the lights of the batches so far give one point: irradiance, and specular radiance; in memory in halves, in planes of which a scene
+// has those that it needs. The importer binds `diffuse_sums: array<vec4u>`, `specular_sums: array<u32>` and `near_sums: array<u32>`.
+
+struct LightSums {
+    diffuse_unshadowed: vec3f,
+    diffuse_shadowed: vec3f,
+    // Projected solid angle of the probes: of all, and of what is visible of them.
+    probed: f32,
+    probed_open: f32,
+    specular_unshadowed: vec3f,
+    specular_shadowed: vec3f,
+    // Of lights in the scene, shadowed: the environment's compositing rule does not concern them.
+    diffuse_near: vec3f,
+    specular_near: vec3f,
+}
+
+fn load_sums(point: u32) -> LightSums {
+    var sums: LightSums;
+    let words = diffuse_sums[point];
+    let diffuse = unpack_color_pair(words.xyz);
+    sums.diffuse_unshadowed = diffuse.first / view.sum_scales.x;
+    sums.diffuse_shadowed = diffuse.second / view.sum_scales.x;
+    let probes = unpack2x16float(words.w);
+    sums.probed = probes.x;
+    sums.probed_open = probes.y;
+    if (view.flags & FLAG_SPECULAR_SUMS) != 0u {
+        let specular =
+            unpack_color_pair(vec3u(specular_sums[3u * point], specular_sums[3u * point + 1u], specular_sums[3u * point + 2u]));
+        sums.specular_unshadowed = specular.first / view.sum_scales.y;
+        sums.specular_shadowed = specular.second / view.sum_scales.y;
+    }
+    if (view.flags & FLAG_NEAR_SUMS) != 0u {
+        let near = unpack_color_pair(vec3u(near_sums[3u * point], near_sums[3u * point + 1u], near_sums[3u * point + 2u]));
+        sums.diffuse_near = near.first / view.sum_scales.z;
+        sums.specular_near = near.second / view.sum_scales.z;
+    }
+    return sums;
+}
