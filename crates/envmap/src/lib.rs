@@ -18,7 +18,7 @@ mod transfer;
 
 pub use cube::CubeMap;
 pub use equirect::Equirect;
-pub use load::{CleanReport, EnvMapError, Environment, from_picture, load};
+pub use load::{CleanReport, EnvMapError, Environment, from_bytes, from_picture, load};
 pub use prefilter::{PrefilteredMap, prefiltered_level};
 pub use projection::Projection;
 pub use sh::{Sh9, sh9_basis};

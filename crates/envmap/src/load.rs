@@ -103,7 +103,26 @@ impl Environment {
 /// [`EnvMapError`]: unreadable, of no known shape, or not of the shape that was named.
 pub fn load(path: impl AsRef<Path>, forced: Option<Projection>) -> Result<Environment, EnvMapError> {
     let path = path.as_ref();
-    let Decoded { image, environment, warnings, .. } = gnomon_picture::read(path)?;
+    unfold(path, gnomon_picture::read(path)?, forced)
+}
+
+/// [`load`] of the bytes of a picture; `name` stands for their file in messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_bytes(
+    name: impl AsRef<Path>,
+    bytes: &[u8],
+    forced: Option<Projection>,
+) -> Result<Environment, EnvMapError> {
+    let path = name.as_ref();
+    let decoded = gnomon_picture::decode(bytes)
+        .map_err(|source| ImageError::Decode { path: path.to_owned(), source })?;
+    unfold(path, decoded, forced)
+}
+
+fn unfold(path: &Path, decoded: Decoded, forced: Option<Projection>) -> Result<Environment, EnvMapError> {
+    let Decoded { image, environment, warnings, .. } = decoded;
     let (width, height) = (image.width(), image.height());
     let known = Projection::list;
     let path = || path.to_owned();

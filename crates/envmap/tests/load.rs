@@ -20,7 +20,15 @@ fn reload(image: &RgbImage, forced: Option<Projection>) -> Result<Environment, E
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("map.exr");
     gnomon_picture::write(&path, image).unwrap();
-    load(&path, forced)
+    let loaded = load(&path, forced);
+    // Bytes give what their file gives.
+    let from_bytes = gnomon_envmap::from_bytes(&path, &std::fs::read(&path).unwrap(), forced);
+    let said = |result: &Result<Environment, EnvMapError>| match result {
+        Ok(environment) => format!("{:?}", (&environment.map, environment.warnings())),
+        Err(error) => error.to_string(),
+    };
+    assert_eq!(said(&loaded), said(&from_bytes));
+    loaded
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Gnomon in a program's own winit loop: the program opens the device, and no picture is read back.
+//! Gnomon in a program's own winit loop: the program opens the device and submits its own encoder, and no picture is read back.
 use gnomon::renderer::{Gpu, Presenter, RenderSettings, Renderer, wgpu};
 use gnomon::{envmap, lights::fit, scene};
 use std::{error::Error, sync::Arc};
@@ -44,9 +44,13 @@ impl View {
         }
         self.angle += 0.01;
         let eye = glam::Vec3::new(5.0 * self.angle.sin(), 3.0, 5.0 * self.angle.cos());
-        self.renderer.submit(&scene::Camera::look_at(eye, glam::Vec3::ZERO, 0.8), size.width, size.height)?;
+        let camera = scene::Camera::look_at(eye, glam::Vec3::ZERO, 0.8);
         if let wgpu::CurrentSurfaceTexture::Success(frame) = self.surface.get_current_texture() {
-            self.presenter.draw(&self.renderer, &frame.texture.create_view(&Default::default()))?;
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            self.renderer.record(&mut encoder, &camera, size.width, size.height)?;
+            let target = frame.texture.create_view(&Default::default());
+            self.presenter.record(&mut encoder, &self.renderer, &target)?;
+            gpu.queue().submit([encoder.finish()]);
             gpu.queue().present(frame);
         } else {
             self.config.width = 0; // configured anew, as after having been minimised

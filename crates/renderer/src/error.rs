@@ -27,6 +27,18 @@ pub enum RenderError {
         /// What is missing.
         feature: String,
     },
+    /// The adapter lacks something that a shadow technique needs.
+    #[error(
+        "shadow technique `{technique}` needs {features}, which adapter {adapter} lacks; choose another technique or adapter"
+    )]
+    NeedsFeature {
+        /// Name of the technique.
+        technique: &'static str,
+        /// What is missing, by WebGPU's names.
+        features: String,
+        /// Adapter name.
+        adapter: String,
+    },
     /// A setting names nothing that exists.
     #[error("unknown {what} `{name}`; choose one of: {choices}")]
     UnknownName {

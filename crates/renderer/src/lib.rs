@@ -28,7 +28,6 @@ mod materials;
 mod near_light_frame;
 mod present;
 mod radiance_cache;
-mod readback;
 mod recorder;
 mod renderer;
 mod resolve;
@@ -41,11 +40,13 @@ pub mod unshadowed;
 
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
-pub use gpu::{AdapterSummary, Gpu, GpuOptions, list_adapters};
+#[cfg(not(target_arch = "wasm32"))]
+pub use gpu::list_adapters;
+pub use gpu::{AdapterSummary, Gpu, GpuOptions};
 pub use lighting::PreparedLighting;
 pub use present::Presenter;
 pub use recorder::PassTiming;
-pub use renderer::{Frame, Renderer};
+pub use renderer::{Frame, Renderer, TimedFrame};
 pub use settings::{DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings};
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

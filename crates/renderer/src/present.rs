@@ -18,6 +18,7 @@ impl Presenter {
     /// # Errors
     /// [`RenderError::Device`] where the format cannot be drawn into.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self, RenderError> {
+        let scopes = gpu.catch_errors();
         let bindings = [(0, Binding::SAMPLED), (1, Binding::Sampler)];
         let picture = gpu.layout("present", wgpu::ShaderStages::FRAGMENT, &bindings);
         let shader = gpu.shader("present", &[])?;
@@ -48,7 +49,7 @@ impl Presenter {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        gpu.check()?;
+        scopes.finish()?;
         Ok(Self { gpu: gpu.clone(), layout: picture, pipeline, sampler })
     }
 
@@ -57,9 +58,26 @@ impl Presenter {
     /// # Errors
     /// The device failed or was lost.
     pub fn draw(&self, renderer: &Renderer, target: &wgpu::TextureView) -> Result<(), RenderError> {
-        let gpu = &self.gpu;
+        let scopes = self.gpu.catch_errors();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record(&mut encoder, renderer, target)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        scopes.finish()
+    }
+
+    /// The same into an encoder of the embedding program, which submits it.
+    ///
+    /// # Errors
+    /// As [`Presenter::draw`].
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        renderer: &Renderer,
+        target: &wgpu::TextureView,
+    ) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         let group = renderer.display_view().map(|picture| {
-            gpu.bind_group(
+            self.gpu.bind_group(
                 "present",
                 &self.layout,
                 &[
@@ -68,7 +86,6 @@ impl Presenter {
                 ],
             )
         });
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("present"),
@@ -89,7 +106,6 @@ impl Presenter {
                 pass.draw(0..3, 0..1);
             }
         }
-        gpu.queue.submit([encoder.finish()]);
-        gpu.check()
+        scopes.finish()
     }
 }

@@ -28,8 +28,11 @@ mod draw;
 mod live;
 mod materials;
 mod state;
+mod timing;
 
 use state::{Lit, State};
+use timing::FramesInFlight;
+pub use timing::TimedFrame;
 
 /// One finished picture.
 pub struct Frame {
@@ -55,6 +58,7 @@ pub struct Renderer {
     state: State,
     target: Option<Target>,
     debug: Option<debug::Debug>,
+    in_flight: FramesInFlight,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
 }
@@ -83,7 +87,8 @@ impl Renderer {
     /// # Errors
     /// A setting names nothing or is out of range, or the device failed.
     pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
-        let chosen = Chosen::new(settings)?;
+        let scopes = gpu.catch_errors();
+        let chosen = Chosen::new(gpu, settings)?;
         let gbuffer = GBufferPass::new(gpu)?;
         let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
         let passes = Passes {
@@ -122,10 +127,11 @@ impl Renderer {
             world_from_environment: Quat::IDENTITY,
             target: None,
             debug: None,
+            in_flight: FramesInFlight::default(),
             view,
             view_group,
         };
-        gpu.check()?;
+        scopes.finish()?;
         Ok(renderer)
     }
 
@@ -134,6 +140,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter cannot hold it; the scene before it then stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene, Some(&self.geometry))?;
         let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
         self.set_near_lights(scene)?;
@@ -141,7 +148,7 @@ impl Renderer {
         self.take_materials(materials);
         self.bounds = self.geometry.bounds();
         self.take_lobes(scene);
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// Takes a new pose of the scene that was set last (node transforms, joints, morph weights) without an upload of its meshes.
@@ -153,11 +160,13 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn move_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         if !self.geometry.take_pose(&self.gpu, scene)? {
             return self.set_scene(scene);
         }
         self.bounds = self.geometry.bounds();
-        self.set_near_lights(scene)
+        self.set_near_lights(scene)?;
+        scopes.finish()
     }
 
     /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.
@@ -175,10 +184,14 @@ impl Renderer {
     /// [`RenderError::Option`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
     pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
         let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
-        let chosen = Chosen::new(self.settings().clone().with(|s| {
-            s.techniques.shadow_resolution = shadow_resolution;
-            s.techniques.shadow_sampling = shadow_sampling;
-        }))?;
+        let chosen = Chosen::new(
+            &self.gpu,
+            self.settings().clone().with(|s| {
+                s.techniques.shadow_resolution = shadow_resolution;
+                s.techniques.shadow_sampling = shadow_sampling;
+            }),
+        )?;
+        let scopes = self.gpu.catch_errors();
         let Some(lit) = &self.state.lit else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
         };
@@ -188,6 +201,6 @@ impl Renderer {
         self.keep_target_for(&chosen);
         self.state.chosen = chosen;
         self.take_lit(lit);
-        self.gpu.check()
+        scopes.finish()
     }
 }

@@ -3,13 +3,13 @@ use gnomon_picture::tonemap::ToneMapping;
 use gnomon_scene::Scene;
 use gnomon_shaders::layout::CachedLobe;
 
-use crate::RenderError;
 use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
 use crate::composite::{self, Compositing};
 use crate::shadow::technique::ShadowTechnique;
 use crate::shadow::{self, ShadowSettings, VisibilityPath};
 use crate::unshadowed::{self, Unshadowed};
+use crate::{Gpu, RenderError};
 
 /// How frames are drawn, in parts that change together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,7 +93,8 @@ settings! {
 /// What is measured along the way.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeasureSettings {
-    /// Submit every pass alone and time it: slower, for statistics.
+    /// Time every pass: by the GPU's own stamps or, where a driver has none or they are not true, by submitting every pass alone and
+    /// waiting for it, which is slow.
     pub profile: bool,
 }
 
@@ -129,12 +130,12 @@ pub(crate) struct Chosen {
 
 impl Chosen {
     /// # Errors
-    /// As [`RenderSettings::check`].
-    pub fn new(settings: RenderSettings) -> Result<Self, RenderError> {
+    /// As [`RenderSettings::check`], and [`RenderError::NeedsFeature`] for a technique that the device cannot do.
+    pub fn new(gpu: &Gpu, settings: RenderSettings) -> Result<Self, RenderError> {
         settings.check()?;
         let RenderSettings { lighting, techniques, .. } = &settings;
         Ok(Self {
-            technique: shadow::by_name(&techniques.shadows, techniques.visibility)?,
+            technique: shadow::usable(gpu, &techniques.shadows, techniques.visibility)?,
             ambient: ambient::by_name(&lighting.ambient)?,
             compositing: composite::by_name(&techniques.compositing)?,
             unshadowed: unshadowed::by_name(&techniques.unshadowed)?,

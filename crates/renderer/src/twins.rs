@@ -9,6 +9,7 @@ use gnomon_shaders::twin::{
 use gnomon_testing::tolerances::SHADER_TWIN;
 
 use crate::bindings::Binding;
+use crate::gpu::ReadBack;
 use crate::{Gpu, GpuOptions};
 
 mod gbuffer_packing;
@@ -75,8 +76,9 @@ fn evaluate(gpu: &Gpu, module: &str, body: &str, inputs: &[[Vec4; 2]]) -> Vec<Ve
         pass.dispatch_workgroups(inputs.len().div_ceil(64) as u32, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&output, 0, &mapped, 0, size);
+    let read_back = ReadBack::of_buffer(gpu, &encoder, mapped);
     gpu.queue.submit([encoder.finish()]);
-    let bytes = gpu.read_buffer(&mapped).unwrap();
+    let bytes = gpu.wait_for(read_back).unwrap();
     bytemuck::pod_collect_to_vec::<u8, Vec4>(&bytes)[..inputs.len()].to_vec()
 }
 

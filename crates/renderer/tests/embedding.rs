@@ -3,6 +3,10 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+use std::sync::atomic::Ordering::Relaxed;
+
 use common::{constant_map, gpu_or_skip, no_light, one_disk, scene_of, sphere};
 use glam::Vec3;
 use gnomon_renderer::wgpu::{self, TextureFormat, TextureUsages};
@@ -43,6 +47,19 @@ fn lit_renderer(gpu: &Gpu) -> Renderer {
     renderer
 }
 
+fn target(device: &wgpu::Device, format: TextureFormat) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
 /// Reads a target of 8-bit texels back with the embedding program's own means.
 fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Vec<u8> {
     let bytes_per_row = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
@@ -78,16 +95,7 @@ fn a_window_shows_the_displayed_picture_whatever_its_format_encodes() {
     let display = renderer.render(&camera(), SIZE, SIZE).unwrap().display;
     assert!(renderer.display_view().is_some());
     for format in [TextureFormat::Rgba8Unorm, TextureFormat::Rgba8UnormSrgb] {
-        let window = device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let window = target(&device, format);
         let presenter = Presenter::new(&gpu, format).unwrap();
         presenter.draw(&renderer, &window.create_view(&Default::default())).unwrap();
         let shown = read_back(&device, &queue, &window);
@@ -97,13 +105,32 @@ fn a_window_shows_the_displayed_picture_whatever_its_format_encodes() {
 }
 
 #[test]
+fn webgpus_default_limits_without_features_draw_the_default_techniques() {
+    let Some(adapter) = adapter() else { return };
+    let (_, gpu) = open(&adapter, &wgpu::DeviceDescriptor::default());
+    let gpu = gpu.unwrap();
+    assert!(gpu.device().features().is_empty());
+    let mut renderer = Renderer::new(&gpu, RenderSettings::default()).unwrap();
+    renderer.set_scene(&scene_of(vec![sphere()], Material::default())).unwrap();
+    renderer.set_lighting(&constant_map(Vec3::ONE), &one_disk(Vec3::Y, 0.4)).unwrap();
+    let Some(full) = gpu_or_skip() else { return };
+    let mut expected = Renderer::new(&full, RenderSettings::default()).unwrap();
+    expected.set_scene(&scene_of(vec![sphere()], Material::default())).unwrap();
+    expected.set_lighting(&constant_map(Vec3::ONE), &one_disk(Vec3::Y, 0.4)).unwrap();
+    let picture = |renderer: &mut Renderer| renderer.render(&camera(), SIZE, SIZE).unwrap().display;
+    assert_eq!(picture(&mut renderer), picture(&mut expected));
+
+    for shadows in ["convolution", "moments"] {
+        let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
+        let Err(error) = Renderer::new(&gpu, settings) else { panic!("{shadows} cannot filter") };
+        assert!(matches!(error, RenderError::NeedsFeature { .. }), "{error}");
+        assert!(error.to_string().contains(shadows) && error.to_string().contains("FLOAT32_FILTERABLE"));
+    }
+}
+
+#[test]
 fn a_device_that_is_too_weak_is_refused_by_name() {
     let Some(adapter) = adapter() else { return };
-    let plain = wgpu::DeviceDescriptor::default();
-    let (_, gpu) = open(&adapter, &plain);
-    let Err(error @ RenderError::MissingFeature { .. }) = gpu else { panic!("no feature was missed") };
-    assert!(error.to_string().contains("FLOAT32_FILTERABLE"), "{error}");
-
     let mut narrow = Gpu::device_descriptor(&adapter);
     narrow.required_limits.max_storage_textures_per_shader_stage = 2;
     let (_, gpu) = open(&adapter, &narrow);
@@ -115,6 +142,65 @@ fn a_device_that_is_too_weak_is_refused_by_name() {
     let (_, gpu) = open(&adapter, &narrow);
     let Err(error @ RenderError::MissingFeature { .. }) = gpu else { panic!("no limit was missed") };
     assert!(error.to_string().contains("8 storage buffers"), "{error}");
+}
+
+#[test]
+fn a_programs_handlers_are_told_its_own_errors_and_its_loss_and_nothing_else() {
+    let Some(adapter) = adapter() else { return };
+    let (device, gpu) = open(&adapter, &Gpu::device_descriptor(&adapter));
+    let gpu = gpu.unwrap();
+    let told: Arc<[AtomicU32; 2]> = Arc::default();
+    let (errors, losses) = (Arc::clone(&told), Arc::clone(&told));
+    device.on_uncaptured_error(Arc::new(move |_| {
+        errors[0].fetch_add(1, Relaxed);
+    }));
+    device.set_device_lost_callback(move |_, _| {
+        losses[1].fetch_add(1, Relaxed);
+    });
+    let told = || [told[0].load(Relaxed), told[1].load(Relaxed)];
+    let mut renderer = lit_renderer(&gpu);
+
+    // A format that cannot be drawn into: this library's error, and only of this call.
+    let Err(error) = Presenter::new(&gpu, TextureFormat::Rgb9e5Ufloat) else { panic!("no such target") };
+    assert!(matches!(error, RenderError::Device(_)), "{error}");
+    renderer.draw(&camera(), SIZE, SIZE).unwrap();
+    assert_eq!(told(), [0, 0]);
+
+    // The program's own error, which is none of this library's.
+    let _ = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 16,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::MAP_WRITE,
+        mapped_at_creation: false,
+    });
+    assert_eq!(told(), [1, 0]);
+    renderer.draw(&camera(), SIZE, SIZE).unwrap();
+
+    device.destroy();
+    assert!(matches!(renderer.draw(&camera(), SIZE, SIZE), Err(RenderError::DeviceLost { .. })));
+    // Its loss is told when the device is looked after next.
+    let _ = device.poll(wgpu::PollType::Poll);
+    assert_eq!(told(), [1, 1]);
+}
+
+#[test]
+fn a_frame_in_the_programs_own_encoder_is_the_frame_that_is_rendered() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (device, queue) = (gpu.device(), gpu.queue());
+    let mut renderer = lit_renderer(&gpu);
+    let expected = renderer.render(&camera(), SIZE, SIZE).unwrap().display;
+    let window = target(device, TextureFormat::Rgba8Unorm);
+    let presenter = Presenter::new(&gpu, TextureFormat::Rgba8Unorm).unwrap();
+    let mut elsewhere = lit_renderer(&gpu);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    elsewhere.record(&mut encoder, &camera(), SIZE, SIZE).unwrap();
+    presenter.record(&mut encoder, &elsewhere, &window.create_view(&Default::default())).unwrap();
+    let before = read_back(device, queue, &window);
+    assert!(before.iter().all(|byte| *byte == 0), "recording has submitted something");
+    queue.submit([encoder.finish()]);
+    let shown = read_back(device, queue, &window);
+    let far = shown.iter().zip(expected.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(far <= Some(1), "off by {far:?} of 255");
 }
 
 #[test]

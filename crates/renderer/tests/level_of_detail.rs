@@ -10,7 +10,7 @@ use gnomon_envmap::Equirect;
 use gnomon_lights::{FitOptions, LightSet, fit};
 use gnomon_metrics::compare;
 use gnomon_renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange, LodState};
-use gnomon_renderer::{RenderSettings, Renderer};
+use gnomon_renderer::{PassTiming, RenderSettings, Renderer};
 use gnomon_scene::{AreaLight, AreaLightShape, Node, NodeId, Scene, builtin};
 
 const SIZE: [u32; 2] = [96, 72];
@@ -76,7 +76,22 @@ fn with_lamps(count: usize) -> Scene {
     scene
 }
 
-/// Times of a busy machine prove nothing: the band is asked for only where frames of one level took alike.
+/// Times of the passes of one frame, each the least of a few draws: what else the machine does only adds to them.
+fn times(renderer: &mut Renderer, scene: &Scene) -> FrameTimes {
+    let mut least: Vec<PassTiming> = Vec::new();
+    for _ in 0..4 {
+        let passes = renderer.draw(&scene.cameras[0], SIZE[0], SIZE[1]).unwrap();
+        if least.is_empty() {
+            least = passes;
+            continue;
+        }
+        for (least, pass) in least.iter_mut().zip(passes) {
+            least.milliseconds = least.milliseconds.min(pass.milliseconds);
+        }
+    }
+    FrameTimes::from_passes(&least)
+}
+
 #[test]
 fn real_frames_settle_at_the_budget_also_with_twice_the_lamps_and_replay_exactly() {
     let Some(gpu) = gpu_or_skip() else { return };
@@ -86,46 +101,38 @@ fn real_frames_settle_at_the_budget_also_with_twice_the_lamps_and_replay_exactly
         s.measure.profile = true;
     });
     let mut renderer = Renderer::new(&gpu, settings).unwrap();
-    let scene = with_lamps(4);
-    renderer.set_scene(&scene).unwrap();
+    renderer.set_scene(&with_lamps(4)).unwrap();
     let range = LodRange::default();
     let least = lights("partition", &map, range.least.lights);
     renderer.set_lighting(&map, &least).unwrap();
     renderer.set_level_of_detail(range.least, &least).unwrap();
-    let draw = |renderer: &mut Renderer| {
-        FrameTimes::from_passes(&renderer.draw(&scene.cameras[0], SIZE[0], SIZE[1]).unwrap())
-    };
-    let warm: Vec<f64> = (0..6).map(|_| draw(&mut renderer).total()).collect();
-    let budget = 3.0 * warm[1..].iter().copied().fold(f64::INFINITY, f64::min);
+    let budget = 3.0 * times(&mut renderer, &with_lamps(4)).total();
     let mut controller = LodController::new(budget, range).unwrap();
     let mut replayed = controller.clone();
     for lamps in [4, 8] {
-        renderer.set_scene(&with_lamps(lamps)).unwrap();
-        let mut frames = Vec::new();
-        for _ in 0..60 {
+        let scene = with_lamps(lamps);
+        renderer.set_scene(&scene).unwrap();
+        let (mut last, mut frames) = (Vec::new(), 0);
+        while last.len() < 20 {
             let level = controller.level();
-            let times = draw(&mut renderer);
+            let times = times(&mut renderer, &scene);
             let next = controller.next(level, &times);
             assert_eq!((level, next), (replayed.level(), replayed.next(level, &times)));
-            frames.push((level, times.total()));
+            last.push(times.total());
             if next != level {
+                last.clear();
                 renderer.set_level_of_detail(next, &lights("partition", &map, next.lights)).unwrap();
             }
+            frames += 1;
+            assert!(frames < 200, "no level stays: {next:?}, {:?}", controller.state());
         }
-        let settled = frames[59].0;
-        let mut last: Vec<f64> =
-            frames.iter().rev().take_while(|(level, _)| *level == settled).map(|f| f.1).collect();
         last.sort_by(f64::total_cmp);
-        let quantile = |share: f64| last[(share * (last.len() - 1) as f64) as usize];
-        let found = quantile(0.5) / budget;
-        let state = controller.state();
+        let (found, state) = (last[last.len() / 2] / budget, controller.state());
         println!(
-            "{lamps} lamps: {:?}, {found:.3} of {budget:.1} ms, {} frames, {state:?}",
-            settled,
-            last.len()
+            "{lamps} lamps: {:?}, {found:.3} of {budget:.1} ms, {frames} frames, {state:?}",
+            controller.level()
         );
-        if last.len() >= 20 && quantile(0.9) < 1.1 * quantile(0.1) && state == LodState::Met {
-            assert!((0.85..1.1).contains(&found), "{found} of {budget} ms");
-        }
+        assert!(found < 1.15, "{found} of {budget} ms");
+        assert!(found > 0.75 || state == LodState::Best, "{found} of {budget} ms: {state:?}");
     }
 }

@@ -1,8 +1,7 @@
-//! Scene files: [`load`] reads one of any format that [`formats`] lists, [`read_camera`] a camera, [`read_sections`] what a scene file says of
+//! Scene files: [`load`] reads one of any format that [`formats`] lists, [`load_bytes`] one that is no file, [`read_camera`] a camera, [`read_sections`] what a scene file says of
 //! how it is drawn. One file a format; a new one is registered in `FORMATS`.
 
 use std::collections::HashSet;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gnomon_scene::{Ground, Scene};
@@ -16,11 +15,13 @@ mod gltf;
 mod mtl;
 mod obj;
 mod ply;
+mod resolver;
 mod texture;
 mod toml;
 
 pub use camera::read_camera;
 pub use error::SceneFileError;
+pub use resolver::{FileResolver, ReadError, Resolver};
 pub use toml::read_sections;
 
 /// A scene format that [`load`] reads.
@@ -130,20 +131,42 @@ pub struct LoadedScene {
 /// coordinate is finite, and node transforms stay finite down the hierarchy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, SceneFileError> {
     let mut budget = Budget::new(options.memory_limit);
-    load_within(path, options, &mut budget, true)
+    load_within(path, (&FileResolver, options), &mut budget, true)
+}
+
+/// [`load`] of bytes that are no file, or not yet: `name` stands for their path, in messages, for the format and for the paths of the
+/// files that they name, which `resolver` gives.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_bytes(
+    name: &Path,
+    bytes: &[u8],
+    resolver: &dyn Resolver,
+    options: &LoadOptions,
+) -> Result<LoadedScene, SceneFileError> {
+    let mut budget = Budget::new(options.memory_limit);
+    budget.take(bytes.len(), 1).map_err(|fault| fault.at(name))?;
+    let source = Source { path: name, bytes, resolver, options };
+    read(&source, &mut budget, true)
 }
 
 /// [`load`] on what is left of a budget; `scene_files` is false inside a scene file, which may place models only.
 fn load_within(
     path: &Path,
-    options: &LoadOptions,
+    (resolver, options): (&dyn Resolver, &LoadOptions),
     budget: &mut Budget,
     scene_files: bool,
 ) -> Result<LoadedScene, SceneFileError> {
-    let bytes = read_file(path, budget).map_err(|fault| fault.at(path))?;
+    let bytes = read_file(path, resolver, budget).map_err(|fault| fault.at(path))?;
+    read(&Source { path, bytes: &bytes, resolver, options }, budget, scene_files)
+}
+
+fn read(source: &Source, budget: &mut Budget, scene_files: bool) -> Result<LoadedScene, SceneFileError> {
+    let Source { path, bytes, .. } = *source;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let by_name = FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()));
-    let by_content = FORMATS.iter().find(|format| (format.recognise)(&bytes));
+    let by_content = FORMATS.iter().find(|format| (format.recognise)(bytes));
     // A format without a signature (OBJ, TOML) is believed unless the content is clearly another's.
     let format = by_content.or(by_name).ok_or_else(|| SceneFileError::UnknownFormat {
         path: path.to_owned(),
@@ -157,8 +180,7 @@ fn load_within(
         let message = "a scene file cannot place another scene file, only models".to_owned();
         return Err(SceneFileError::Unsupported { path: path.to_owned(), message });
     }
-    let source = Source { path, bytes: &bytes, options };
-    let mut loaded = (format.read)(&source, budget).map_err(|fault| fault.at(path))?;
+    let mut loaded = (format.read)(source, budget).map_err(|fault| fault.at(path))?;
     if let Some(named) = by_name.filter(|named| named.name != format.name) {
         loaded
             .scene
@@ -186,6 +208,7 @@ fn tidy(warnings: &mut Vec<String>) {
 struct Source<'a> {
     path: &'a Path,
     bytes: &'a [u8],
+    resolver: &'a dyn Resolver,
     options: &'a LoadOptions,
 }
 
@@ -193,6 +216,11 @@ impl Source<'_> {
     /// Path of a file that this one names relative to itself.
     fn sibling(&self, relative: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(relative)
+    }
+
+    /// Bytes of a file that this one names, within the budget.
+    fn read(&self, path: &Path, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+        read_file(path, self.resolver, budget)
     }
 
     /// A scene without environment on the format's default ground.
@@ -220,21 +248,14 @@ impl Budget {
     }
 }
 
-/// The whole file, within the budget. Devices and pipes are refused: they may never end.
-fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
-    let io = |source| SceneFileError::Io { path: path.to_owned(), source };
-    let metadata = std::fs::metadata(path).map_err(io)?;
-    if !metadata.is_file() {
-        return Err(Fault::invalid("it is not a regular file"));
-    }
-    let length =
-        usize::try_from(metadata.len()).map_err(|_| Fault::TooLarge { limit_mib: budget.limit >> 20 })?;
-    budget.take(length, 1)?;
-    let mut bytes = Vec::with_capacity(length);
-    // Not past the length that was budgeted, even if the file grows meanwhile.
-    std::fs::File::open(path)
-        .and_then(|file| file.take(metadata.len()).read_to_end(&mut bytes))
-        .map_err(io)?;
+/// The whole file, within the budget.
+fn read_file(path: &Path, resolver: &dyn Resolver, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+    let bytes = resolver.read(path, budget.left).map_err(|error| match error {
+        ReadError::Io(source) => SceneFileError::Io { path: path.to_owned(), source }.into(),
+        ReadError::NotRegular => Fault::invalid("it is not a regular file"),
+        ReadError::TooLong => Fault::TooLarge { limit_mib: budget.limit >> 20 },
+    })?;
+    budget.take(bytes.len(), 1)?;
     Ok(bytes)
 }
 

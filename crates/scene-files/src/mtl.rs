@@ -18,7 +18,7 @@ use gnomon_messages::quoted;
 use gnomon_scene::{Material, MaterialId, Scene, Texture, TextureId, TextureRef, Wrap};
 
 use super::obj::numbers;
-use super::{Budget, Source, read_file, texture};
+use super::{Budget, Source, texture};
 use crate::SceneFileError;
 use crate::error::Fault;
 
@@ -39,7 +39,7 @@ impl Library {
         scene: &mut Scene,
     ) -> Result<(), Fault> {
         let path = source.sibling(&name.replace('\\', "/"));
-        let bytes = match read_file(&path, budget) {
+        let bytes = match source.read(&path, budget) {
             Ok(bytes) => bytes,
             Err(Fault::TooLarge { limit_mib }) => return Err(Fault::TooLarge { limit_mib }),
             Err(fault) => {
@@ -138,7 +138,7 @@ impl Library {
             Some(&known) => known,
             None => {
                 let path = source.sibling(&name.replace('\\', "/"));
-                let picture = read_file(&path, budget).and_then(|bytes| texture::decode(&bytes, budget));
+                let picture = source.read(&path, budget).and_then(|bytes| texture::decode(&bytes, budget));
                 let id = match picture {
                     Ok(picture) => {
                         scene.textures.push(Arc::new(Texture {

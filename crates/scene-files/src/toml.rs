@@ -40,7 +40,8 @@ pub fn read_sections<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, Scen
         return Ok(None);
     }
     let mut budget = Budget::new(LoadOptions::default().memory_limit);
-    let read = super::read_file(path, &mut budget).and_then(|bytes| parse(text_of(&bytes)?));
+    let read =
+        super::read_file(path, &super::FileResolver, &mut budget).and_then(|bytes| parse(text_of(&bytes)?));
     read.map(Some).map_err(|fault| fault.at(path))
 }
 
@@ -206,7 +207,7 @@ impl Reader<'_> {
         let (mut placed, name) = match (&model.file, &model.builtin) {
             (Some(file), None) => {
                 let path = self.source.sibling(file);
-                let loaded = load_within(&path, self.source.options, budget, false)?;
+                let loaded = load_within(&path, (self.source.resolver, self.source.options), budget, false)?;
                 (loaded.scene, super::stem(Path::new(file)))
             }
             (None, Some(name)) => {

@@ -1,16 +1,17 @@
-//! A reference picture that converges on a thread.
+//! A reference picture that converges in the background.
 
+use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
 
 use gnomon_envmap::Equirect;
 use gnomon_metrics::{relative_rmse, signed_difference};
 use gnomon_picture::RgbImage;
-use gnomon_reference::{Progressive, ReferenceError, ReferenceOptions};
+use gnomon_reference::{Estimate, Progressive, ReferenceError, ReferenceOptions};
 use gnomon_scene::{Camera, Scene};
 
-use crate::{Stage, StudioError};
+use crate::executor::end_slice;
+use crate::{Executor, Stage, StudioError};
 
 /// Samples a pixel of one pass: few, so that the first picture comes soon, and enough to be stratified.
 const SAMPLES_PER_PASS: u32 = 4;
@@ -66,7 +67,7 @@ impl Key {
     }
 }
 
-/// What the thread has come to.
+/// What the task has come to.
 type Progress = Mutex<Result<Option<ReferencePicture>, ReferenceError>>;
 
 /// A reference that is being traced.
@@ -75,29 +76,44 @@ pub(crate) struct Converging {
     tracing: Tracing,
 }
 
-/// One thread at a time: what is set up before the first pass cannot be broken off, and is not worth doing for what has changed since.
+/// One task at a time: what is set up before the first pass cannot be broken off, and is not worth doing for what has changed since.
 enum Tracing {
-    /// For the thread of what was traced before, which has been told to end.
-    Waits(JoinHandle<()>),
-    Runs(Thread),
+    /// For the task that traced before, which has been told to end.
+    Waits(Running),
+    Runs(Passes),
 }
 
-/// A thread that adds passes until this is dropped.
-struct Thread {
+/// Held by the task, too, for as long as there is one.
+#[derive(Clone)]
+struct Running(Arc<()>);
+
+impl Running {
+    fn has_ended(&self) -> bool {
+        Arc::strong_count(&self.0) == 1
+    }
+}
+
+/// A task that adds passes until this is dropped.
+struct Passes {
     cancel: Arc<AtomicBool>,
     progress: Arc<Progress>,
-    handle: Option<JoinHandle<()>>,
+    running: Running,
 }
 
-impl Drop for Thread {
+impl Drop for Passes {
     fn drop(&mut self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
 }
 
 impl Converging {
-    /// Goes on with `before` where it is still of this stage, or starts anew once its thread has ended.
-    pub fn follow(before: Option<Self>, stage: &Stage, size: [u32; 2]) -> Result<Self, StudioError> {
+    /// Goes on with `before` where it is still of this stage, or starts anew once its task has ended.
+    pub fn follow(
+        before: Option<Self>,
+        stage: &Stage,
+        size: [u32; 2],
+        executor: &dyn Executor,
+    ) -> Result<Self, StudioError> {
         let key = Key {
             scene: Arc::clone(stage.scene()),
             environment: Arc::clone(stage.environment()),
@@ -106,16 +122,16 @@ impl Converging {
             size,
         };
         let last = match before {
-            Some(Self { key: old, tracing: Tracing::Runs(thread) }) if old.is(&key) => {
-                return Ok(Self { key, tracing: Tracing::Runs(thread) });
+            Some(before) if matches!(before.tracing, Tracing::Runs(_)) && before.key.is(&key) => {
+                return Ok(before);
             }
-            Some(Self { tracing: Tracing::Runs(mut thread), .. }) => thread.handle.take(),
+            Some(Self { tracing: Tracing::Runs(passes), .. }) => Some(passes.running.clone()),
             Some(Self { tracing: Tracing::Waits(last), .. }) => Some(last),
             None => None,
         };
         let tracing = match last {
-            Some(last) if !last.is_finished() => Tracing::Waits(last),
-            _ => Tracing::Runs(Thread::start(&key, stage)?),
+            Some(last) if !last.has_ended() => Tracing::Waits(last),
+            _ => Tracing::Runs(Passes::start(&key, stage, executor)?),
         };
         Ok(Self { key, tracing })
     }
@@ -124,54 +140,64 @@ impl Converging {
     pub fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
         match &self.tracing {
             Tracing::Waits(_) => Ok(None),
-            Tracing::Runs(thread) => thread.picture(),
+            Tracing::Runs(passes) => passes.picture(),
         }
     }
 }
 
-impl Thread {
-    fn start(key: &Key, stage: &Stage) -> Result<Self, StudioError> {
+impl Passes {
+    fn start(key: &Key, stage: &Stage, executor: &dyn Executor) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
         let environment = Arc::clone(&key.environment);
         let [width, height] = key.size;
-        let cancel = Arc::new(AtomicBool::new(false));
-        let progress: Arc<Progress> = Arc::new(Mutex::new(Ok(None)));
-        let (cancelled, told) = (Arc::clone(&cancel), Arc::clone(&progress));
-        let trace = move || {
-            let options = ReferenceOptions {
-                width,
-                height,
-                samples_per_pixel: SAMPLES_PER_PASS,
-                ..ReferenceOptions::default()
-            };
-            let mut passes = Progressive::new(&scene, &camera, &environment, &options)?;
-            loop {
-                passes.add_pass(&cancelled)?;
-                let estimate = passes.estimate();
-                let noise = mean(&estimate.variance).max(0.0).sqrt() / mean(&estimate.mean);
-                let picture = ReferencePicture {
-                    mean: Arc::new(estimate.mean),
-                    samples_per_pixel: estimate.samples_per_pixel,
-                    noise: if noise.is_finite() { noise } else { 0.0 },
-                };
-                *told.lock().unwrap_or_else(PoisonError::into_inner) = Ok(Some(picture));
-            }
+        let options = ReferenceOptions {
+            width,
+            height,
+            samples_per_pixel: SAMPLES_PER_PASS,
+            ..ReferenceOptions::default()
         };
-        let told = Arc::clone(&progress);
-        let handle = thread::Builder::new().name("reference".to_owned()).spawn(move || {
-            let ended: Result<std::convert::Infallible, ReferenceError> = trace();
+        let passes = Self {
+            cancel: Arc::new(AtomicBool::new(false)),
+            progress: Arc::new(Mutex::new(Ok(None))),
+            running: Running(Arc::new(())),
+        };
+        let (cancelled, told) = (Arc::clone(&passes.cancel), Arc::clone(&passes.progress));
+        let running = passes.running.clone();
+        let task = async move {
+            // Dropped last, after the scene.
+            let _running = running;
+            let (scene, environment) = (scene, environment);
+            let tell = |progress| *told.lock().unwrap_or_else(PoisonError::into_inner) = progress;
+            let traced = async {
+                let mut passes = Progressive::new(&scene, &camera, &environment, &options)?;
+                loop {
+                    passes.add_pass(&cancelled)?;
+                    tell(Ok(Some(picture_of(passes.estimate()))));
+                    end_slice().await;
+                }
+            };
+            let ended: Result<Infallible, ReferenceError> = traced.await;
             let Err(error) = ended;
-            *told.lock().unwrap_or_else(PoisonError::into_inner) = Err(error);
-        });
-        let handle = handle.map_err(|_| StudioError::Thread("the reference"))?;
-        Ok(Self { cancel, progress, handle: Some(handle) })
+            tell(Err(error));
+        };
+        executor.spawn("reference", Box::pin(task));
+        Ok(passes)
     }
 
     fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
-        // Asked first: a thread that ends says why before it does.
-        let ended = self.handle.as_ref().is_none_or(JoinHandle::is_finished);
+        // Asked first: a task that ends says why before it does.
+        let has_ended = self.running.has_ended();
         let picture = self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
-        if ended { Err(StudioError::Thread("the reference")) } else { Ok(picture) }
+        if has_ended { Err(StudioError::Background("the reference")) } else { Ok(picture) }
+    }
+}
+
+fn picture_of(estimate: Estimate) -> ReferencePicture {
+    let noise = mean(&estimate.variance).max(0.0).sqrt() / mean(&estimate.mean);
+    ReferencePicture {
+        mean: Arc::new(estimate.mean),
+        samples_per_pixel: estimate.samples_per_pixel,
+        noise: if noise.is_finite() { noise } else { 0.0 },
     }
 }
 
@@ -189,13 +215,17 @@ mod tests {
 
     use super::*;
     use crate::look::CameraLook;
-    use crate::{Look, Project, environment_named};
+    use crate::{Look, Project, Slices, Threads, environment_named};
+
+    fn stage() -> Stage {
+        let mut project = Project::open("terrain", Look::default(), &Given::default()).unwrap();
+        project.set_environment(environment_named("room"));
+        Stage::new(project).unwrap()
+    }
 
     #[test]
     fn a_look_that_changes_all_the_time_keeps_one_thread_busy() {
-        let mut project = Project::open("terrain", Look::default(), &Given::default()).unwrap();
-        project.set_environment(environment_named("room"));
-        let mut stage = Stage::new(project).unwrap();
+        let mut stage = stage();
         let mut traced = None;
         for step in 0..20 {
             let mut look = stage.look().clone();
@@ -205,7 +235,7 @@ mod tests {
                 0.7,
             ));
             stage.set_look(look).unwrap();
-            traced = Some(Converging::follow(traced, &stage, [8, 6]).unwrap());
+            traced = Some(Converging::follow(traced, &stage, [8, 6], &Threads).unwrap());
             // Beside the stage and what is traced, threads hold the scene.
             let threads = Arc::strong_count(stage.scene()) - 2;
             assert!(threads <= 1, "{threads} threads after {step} changes");
@@ -214,9 +244,29 @@ mod tests {
         let deadline = Instant::now() + Duration::from_secs(60);
         while traced.as_ref().unwrap().picture().unwrap().is_none() {
             assert!(Instant::now() < deadline);
-            thread::sleep(Duration::from_millis(2));
-            traced = Some(Converging::follow(traced, &stage, [8, 6]).unwrap());
+            std::thread::sleep(Duration::from_millis(2));
+            traced = Some(Converging::follow(traced, &stage, [8, 6], &Threads).unwrap());
         }
         assert_eq!(traced.unwrap().key.camera, stage.camera().unwrap());
+    }
+
+    #[test]
+    fn without_threads_every_slice_adds_a_pass() {
+        let (mut stage, executor) = (stage(), Slices::default());
+        let mut traced = Converging::follow(None, &stage, [8, 6], &executor).unwrap();
+        let samples = |traced: &Converging| traced.picture().unwrap().map(|so_far| so_far.samples_per_pixel);
+        assert_eq!(samples(&traced), None);
+        for passes in 1..4 {
+            assert!(executor.run_slices());
+            assert_eq!(samples(&traced), Some(passes * SAMPLES_PER_PASS));
+        }
+        let mut look = stage.look().clone();
+        look.environment.rotation = 20.0;
+        stage.set_look(look).unwrap();
+        traced = Converging::follow(Some(traced), &stage, [8, 6], &executor).unwrap();
+        assert!(!executor.run_slices(), "the task before goes on");
+        traced = Converging::follow(Some(traced), &stage, [8, 6], &executor).unwrap();
+        assert!(executor.run_slices());
+        assert_eq!(samples(&traced), Some(SAMPLES_PER_PASS));
     }
 }

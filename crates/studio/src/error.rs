@@ -59,9 +59,9 @@ pub enum StudioError {
     /// A picture could not be read or written.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// A thread of the library ended before its work was done: a fault of this library.
+    /// Background work ended before it was done: nothing was there to run it, or a fault of this library.
     #[error("{0} ended unexpectedly")]
-    Thread(&'static str),
+    Background(&'static str),
 }
 
 impl StudioError {

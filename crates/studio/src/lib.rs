@@ -21,6 +21,8 @@
 mod converging;
 mod environment;
 mod error;
+mod executor;
+mod frame_rate;
 mod job;
 mod look;
 mod pose;
@@ -33,6 +35,10 @@ mod studio;
 pub use converging::ReferencePicture;
 pub use environment::{environment_named, fit_lights, load_environment};
 pub use error::StudioError;
+#[cfg(not(target_arch = "wasm32"))]
+pub use executor::Threads;
+pub use executor::{Executor, Slices, Task, default_executor};
+pub use frame_rate::{DrawnFrame, FrameRate};
 pub use look::{AnimationLook, CameraLook, EnvironmentLook, Look, PictureSettings};
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};

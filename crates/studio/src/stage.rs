@@ -127,8 +127,11 @@ impl Stage {
         Self::under(project, Arc::new(map), warnings)
     }
 
-    /// The same under an environment that has been read.
-    pub(crate) fn under(
+    /// The same under an environment that has been read; `warnings` are what its reader said.
+    ///
+    /// # Errors
+    /// As [`Stage::new`], but for the environment.
+    pub fn under(
         project: Project,
         environment: Arc<Equirect>,
         mut warnings: Vec<String>,

@@ -6,15 +6,17 @@ use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::Options;
-use gnomon_renderer::{Frame, Gpu, LightingSettings, MeasureSettings, PassTiming, RenderSettings, Renderer};
+use gnomon_renderer::{Gpu, LightingSettings, MeasureSettings, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Scene};
 
 use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
+use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
 use crate::look::EnvironmentLook;
-use crate::{Look, ReferencePicture, Stage, StudioError};
+use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
+mod drawing;
 mod take_over;
 
 use take_over::{LoadedStage, SceneRequest};
@@ -29,10 +31,11 @@ use take_over::{LoadedStage, SceneRequest};
 /// | clip, time | a pose to the GPU |
 /// | reflectance | materials to the GPU |
 /// | [`Look::techniques`]: visibility, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
-/// | [`Look::fit`], [`Look::lighting`], another environment | a thread; then an upload |
-/// | another scene | a thread; then an upload |
+/// | [`Look::fit`], [`Look::lighting`], another environment | background work; then an upload |
+/// | another scene | background work; then an upload |
 ///
-/// What a thread works out is taken over by [`Studio::poll`]; frames go on meanwhile with what there was.
+/// Background work is done where an [`Executor`] says, by default on threads. [`Studio::poll`] takes its results over; frames go on
+/// meanwhile with what there was.
 pub struct Studio {
     stage: Stage,
     renderer: Renderer,
@@ -42,7 +45,12 @@ pub struct Studio {
     lighting: Job<LightingRequest, Result<LightingResult, StudioError>>,
     scenes: Job<SceneRequest, Result<LoadedStage, StudioError>>,
     converging: Option<Converging>,
+    executor: Arc<dyn Executor>,
     profile: bool,
+    in_flight: FramesInFlight,
+    /// Frames whose times have come.
+    timed: Vec<DrawnFrame>,
+    frame_rate: Option<FrameRate>,
 }
 
 /// What the lights of an environment depend on.
@@ -86,6 +94,8 @@ pub enum Update {
     Scene,
     /// Environment and lights are those of the look.
     Lighting,
+    /// The look asks for another level of detail, for the frame rate that is held.
+    LevelOfDetail,
     /// Background work failed; scene, environment and look are what they were before it was asked for.
     Failed(StudioError),
 }
@@ -96,6 +106,14 @@ impl Studio {
     /// # Errors
     /// Names of nothing, settings out of range, a scene beyond the adapter's limits.
     pub fn new(gpu: &Gpu, stage: Stage) -> Result<Self, StudioError> {
+        Self::with_executor(gpu, stage, default_executor())
+    }
+
+    /// The same with background work where the host wants it.
+    ///
+    /// # Errors
+    /// As [`Studio::new`].
+    pub fn with_executor(gpu: &Gpu, stage: Stage, executor: Arc<dyn Executor>) -> Result<Self, StudioError> {
         let LightingResult { lights, prepared, .. } = work_out_stage(&stage)?;
         let mut renderer = Renderer::new(gpu, stage.look().settings(stage.exposure()))?;
         renderer.set_scene(stage.scene())?;
@@ -106,10 +124,14 @@ impl Studio {
             stage,
             renderer,
             lights: Arc::new(lights),
-            lighting: Job::new("light fitting", work_out),
-            scenes: Job::new("scene loading", SceneRequest::work_out),
+            lighting: Job::new("light fitting", work_out, Arc::clone(&executor)),
+            scenes: Job::new("scene loading", SceneRequest::work_out, Arc::clone(&executor)),
             converging: None,
+            executor,
             profile: false,
+            in_flight: FramesInFlight::default(),
+            timed: Vec::new(),
+            frame_rate: None,
         })
     }
 
@@ -215,15 +237,9 @@ impl Studio {
     fn settings(&self) -> RenderSettings {
         RenderSettings {
             lighting: self.lit_for.lighting.clone(),
-            measure: MeasureSettings { profile: self.profile },
+            measure: MeasureSettings { profile: self.times_passes() },
             ..self.look().settings(self.stage.exposure())
         }
-    }
-
-    /// Whether passes are timed from the next frame on, which makes frames slower.
-    pub fn set_profile(&mut self, profile: bool) {
-        self.profile = profile;
-        self.renderer.set_profile(profile);
     }
 
     /// The view that frames are drawn from.
@@ -234,38 +250,14 @@ impl Studio {
         self.stage.camera()
     }
 
-    /// Draws a frame of so many pixels and reads it back.
+    /// Starts a reference picture of so many pixels in the background, or goes on with it. It starts anew whenever anything changes that
+    /// it depends on, once what was traced before has ended: to find that out this has to be called once a frame.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
-    pub fn frame(&mut self, width: u32, height: u32) -> Result<Frame, StudioError> {
-        Ok(self.renderer.render(&self.stage.camera()?, width, height)?)
-    }
-
-    /// Draws a frame without waiting for it; [`Renderer::display_view`] shows it.
-    ///
-    /// # Errors
-    /// As [`Renderer::submit`].
-    pub fn submit(&mut self, width: u32, height: u32) -> Result<Vec<PassTiming>, StudioError> {
-        Ok(self.renderer.submit(&self.stage.camera()?, width, height)?)
-    }
-
-    /// Draws a frame without reading it back, and waits until the device is idle: what a benchmark times.
-    ///
-    /// # Errors
-    /// As [`Renderer::draw`].
-    pub fn draw(&mut self, width: u32, height: u32) -> Result<Vec<PassTiming>, StudioError> {
-        Ok(self.renderer.draw(&self.stage.camera()?, width, height)?)
-    }
-
-    /// Starts a reference picture of so many pixels on a thread, or goes on with it. It starts anew whenever anything changes that it
-    /// depends on, once the thread before has ended: to find that out this has to be called once a frame.
-    ///
-    /// # Errors
-    /// As [`Stage::camera`], and where no thread is to be had. What the tracer refuses [`Studio::reference`] tells.
+    /// As [`Stage::camera`]. What the tracer refuses [`Studio::reference`] tells.
     pub fn converge(&mut self, width: u32, height: u32) -> Result<(), StudioError> {
         let (stage, before) = (&self.stage, self.converging.take());
-        self.converging = Some(Converging::follow(before, stage, [width, height])?);
+        self.converging = Some(Converging::follow(before, stage, [width, height], &*self.executor)?);
         Ok(())
     }
 

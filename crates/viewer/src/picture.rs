@@ -10,6 +10,8 @@ use gnomon_picture::tonemap::tone_mapped;
 use gnomon_renderer::{PassTiming, wgpu};
 use gnomon_studio::{Studio, StudioError};
 
+use crate::pace::Pace;
+
 /// Which picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shown {
@@ -72,6 +74,7 @@ pub struct Picture {
     pub passes: Vec<PassTiming>,
     stale: bool,
     size: [u32; 2],
+    divisor: u32,
     debug_in_force: Option<DebugChoice>,
     texture: Option<TextureId>,
     /// The GPU's picture at `size`, read back.
@@ -98,7 +101,7 @@ impl Picture {
         *self = Self { shown, debug, stale: true, ..Self::default() };
     }
 
-    /// Draws the GPU's picture of so many pixels where it is out of date; whether it did.
+    /// Draws the GPU's picture where it is out of date, of so many pixels: those of the window over `divisor` a side.
     ///
     /// # Errors
     /// As [`Studio::submit`].
@@ -106,8 +109,9 @@ impl Picture {
         &mut self,
         studio: &mut Studio,
         state: &RenderState,
-        size: [u32; 2],
-    ) -> Result<bool, StudioError> {
+        (size, divisor): ([u32; 2], u32),
+        pace: &mut Pace,
+    ) -> Result<(), StudioError> {
         let debug = self.debug.filter(|_| self.shown == Shown::Gpu);
         if debug != self.debug_in_force {
             let choice = debug.unwrap_or(DebugChoice { view: 0, light: 0 });
@@ -117,20 +121,37 @@ impl Picture {
             self.stale = true;
         }
         if !self.stale && self.size == size {
-            return Ok(false);
+            return Ok(());
         }
         // A picture that cannot be drawn is not tried again until something changes.
-        (self.stale, self.size, self.radiance) = (false, size, None);
+        (self.stale, self.size, self.divisor, self.radiance) = (false, size, divisor, None);
         // What was compared with the picture before is no longer true.
         (self.truth, self.traced_from) = (None, None);
         let began = Instant::now();
-        self.passes = studio.submit(size[0], size[1])?;
-        studio.renderer().wait().map_err(StudioError::from)?;
-        self.frame_ms = began.elapsed().as_secs_f64() * 1e3;
+        studio.submit(size[0], size[1])?;
+        if !studio.renderer().times_come_late() {
+            studio.renderer().wait().map_err(StudioError::from)?;
+            self.frame_ms = began.elapsed().as_secs_f64() * 1e3;
+            pace.drawn(divisor, self.frame_ms);
+        }
         if let Some(view) = studio.renderer().display_view() {
             self.show(state, &view);
         }
-        Ok(true)
+        Ok(())
+    }
+
+    /// Takes in the times of frames that were drawn some while ago.
+    pub fn take_times(&mut self, studio: &mut Studio, pace: &mut Pace) {
+        for frame in studio.take_times() {
+            if studio.renderer().times_come_late() {
+                self.frame_ms = frame.milliseconds();
+                // Of a picture at another size nothing is learnt.
+                if frame.size == self.size {
+                    pace.drawn(self.divisor, self.frame_ms);
+                }
+            }
+            self.passes = frame.passes;
+        }
     }
 
     /// Egui samples encoded values, which is what the view gives.

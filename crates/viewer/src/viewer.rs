@@ -7,10 +7,11 @@ use eframe::egui::Context;
 use eframe::egui_wgpu::RenderState;
 use gnomon_options::Given;
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
-use gnomon_renderer::lod::{LodController, LodRange};
+use gnomon_renderer::lod::LodRange;
 use gnomon_renderer::{Gpu, RenderError};
 use gnomon_studio::{
-    AnimationLook, CameraLook, Look, Project, Stage, Studio, StudioError, Update, environment_named,
+    AnimationLook, CameraLook, FrameRate, Look, Project, Stage, Studio, StudioError, Update,
+    environment_named,
 };
 
 use crate::Options;
@@ -19,7 +20,6 @@ use crate::orbit::Orbit;
 use crate::pace::Pace;
 use crate::picture::{DebugChoice, Picture, Shown};
 
-mod detail;
 mod files;
 
 /// Shown where nothing else was asked for or could be opened.
@@ -45,7 +45,8 @@ pub struct Viewer {
     /// Divisor below which the adapter cannot hold the picture, and the size and samples that this is true of.
     least_divisor: u32,
     least_divisor_of: ([u32; 2], u32, u32),
-    controller: Option<LodController>,
+    /// To be held by the session, once it is open.
+    frame_rate: Option<FrameRate>,
     /// Messages to the user.
     pub notices: Notices,
     /// What is shown.
@@ -65,8 +66,8 @@ impl Viewer {
     pub fn new(options: Options) -> Self {
         let budget = options.target_fps.map(|fps| 1000.0 / fps);
         let mut notices = Notices::default();
-        let controller = budget.and_then(|budget| match LodController::new(budget, LodRange::default()) {
-            Ok(controller) => Some(controller),
+        let frame_rate = budget.and_then(|budget| match FrameRate::new(budget, LodRange::default()) {
+            Ok(frame_rate) => Some(frame_rate),
             Err(error) => {
                 notices.error(&error);
                 None
@@ -83,8 +84,8 @@ impl Viewer {
             pace: Pace::default(),
             least_divisor: 1,
             least_divisor_of: ([0, 0], 0, 0),
-            times: controller.is_some(),
-            controller,
+            times: frame_rate.is_some(),
+            frame_rate,
             notices,
             picture: Picture::default(),
             playing: false,
@@ -182,24 +183,28 @@ impl Viewer {
                 Err(TryRecvError::Empty) => {}
                 Ok(Ok(studio)) => {
                     self.opening = None;
-                    self.studio = Some(studio);
+                    let studio = self.studio.insert(studio);
+                    if let Err(error) = studio.hold_frame_rate(self.frame_rate.take()) {
+                        self.notices.error(&error);
+                    }
                     self.scene_changed();
                 }
                 Ok(Err(error)) => self.opening_failed(&error),
                 Err(TryRecvError::Disconnected) => {
-                    self.opening_failed(&StudioError::Thread("opening a scene"))
+                    self.opening_failed(&StudioError::Background("opening a scene"))
                 }
             }
         }
         let Some(studio) = &mut self.studio else { return };
         let updates = studio.poll();
+        self.picture.take_times(studio, &mut self.pace);
         for warning in studio.take_warnings() {
             self.notices.add(Level::Warning, &warning);
         }
         for update in updates {
             match update {
                 Update::Scene => self.scene_changed(),
-                Update::Lighting => self.picture.touch(),
+                Update::Lighting | Update::LevelOfDetail => self.picture.touch(),
                 Update::Failed(error) => self.notices.error(&error),
             }
         }
@@ -320,12 +325,8 @@ impl Viewer {
         let Some(studio) = &mut self.studio else { return };
         let divisor = self.pace.divisor(moving).max(self.least_divisor);
         let size = window.map(|side| (side / divisor).max(1));
-        match self.picture.draw(studio, state, size) {
-            Ok(true) => {
-                self.pace.drawn(divisor, self.picture.frame_ms);
-                self.choose_detail();
-            }
-            Ok(false) => {}
+        match self.picture.draw(studio, state, (size, divisor), &mut self.pace) {
+            Ok(()) => {}
             Err(StudioError::Render(error @ RenderError::OverLimit { .. }))
                 if divisor < COARSEST_FOR_LACK =>
             {

@@ -1,8 +1,7 @@
 use clap::Args;
-use gnomon::lights::{FitOptions, LightSet, fit};
-use gnomon::renderer::lod::{FrameTimes, LevelOfDetail, LodController, LodRange, LodState};
-use gnomon::renderer::{Gpu, GpuOptions, Renderer};
-use gnomon::studio::{Look, Stage};
+use gnomon::renderer::lod::{LevelOfDetail, LodRange, LodState};
+use gnomon::renderer::{Gpu, GpuOptions};
+use gnomon::studio::{DrawnFrame, FrameRate, Look, Stage, Studio, Update};
 use serde_json::{Value, json};
 
 use crate::error::CliError;
@@ -28,17 +27,18 @@ impl LevelOfDetailArgs {
     }
 }
 
-/// Frames without a change after which a choice stands, and frames after which it does anyway.
-const STEADY_FRAMES: usize = 20;
+/// Frames after which a choice stands even if it has not settled.
 const MOST_FRAMES: usize = 200;
+/// Frames whose median is told.
+const LAST_FRAMES: usize = 20;
 
-/// What a controller chose, and how it came to it.
+/// What a frame rate came to, and how.
 pub struct Settled {
     /// The settings.
     level: LevelOfDetail,
     budget_ms: f64,
     state: LodState,
-    frames: Vec<(LevelOfDetail, f64)>,
+    frames: Vec<DrawnFrame>,
 }
 
 /// Draws frames until the settings no longer change.
@@ -47,57 +47,35 @@ pub struct Settled {
 /// No adapter, a fit without lights, a scene beyond the adapter's limits.
 pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result<Settled, CliError> {
     let look = stage.look();
-    let (method, options) = (&look.fit.method, stage.fit_options()?);
-    // A threshold of the scene file would decide the number of lights.
-    let options = FitOptions { threshold: None, ..options };
-    let settings = look.settings(stage.exposure());
-    let ([width, height], camera) = (look.picture.size, stage.camera()?);
-    if method == "none" {
+    if look.fit.method == "none" {
         return Err(CliError::usage(
             "a frame rate is held by the number of lights: choose some with --lights",
         ));
     }
-    options.validate()?;
-    let widest = LodRange::default();
     let best = LevelOfDetail {
-        lights: options.light_count.map_or(widest.best.lights, |count| count as u32),
-        shadow_resolution: settings.techniques.shadow_resolution,
-        shadow_sampling: settings.techniques.shadow_sampling,
+        lights: look.fit.light_count.map_or(LodRange::default().best.lights, |count| count as u32),
+        shadow_resolution: look.techniques.shadow_resolution,
+        shadow_sampling: look.techniques.shadow_sampling,
     };
-    let least = LevelOfDetail {
-        lights: widest.least.lights.min(best.lights),
-        shadow_resolution: widest.least.shadow_resolution.min(best.shadow_resolution),
-        shadow_sampling: widest.least.shadow_sampling.max(best.shadow_sampling),
-    };
-    let mut controller = LodController::new(budget_ms, LodRange { least, best })?;
-    let fitted = |level: LevelOfDetail| -> Result<LightSet, CliError> {
-        let options = FitOptions { light_count: Some(level.lights as usize), ..options };
-        Ok(fit::by_name(method, &options)?.fit(stage.environment())?)
-    };
-    let mut level = controller.level();
-    let mut lights = fitted(level)?;
-    let gpu = Gpu::new(gpu_options)?;
-    let mut renderer = Renderer::new(&gpu, settings.with(|s| s.measure.profile = true))?;
-    renderer.set_scene(stage.scene())?;
-    renderer.set_environment_rotation(stage.world_from_environment())?;
-    renderer.set_lighting(stage.environment(), &lights)?;
-    renderer.set_level_of_detail(level, &lights)?;
-    let (mut frames, mut steady) = (Vec::new(), 0);
-    while steady < STEADY_FRAMES && frames.len() < MOST_FRAMES {
-        let times = FrameTimes::from_passes(&renderer.draw(&camera, width, height)?);
-        frames.push((level, times.total()));
-        let next = controller.next(level, &times);
-        let is_steady = next == level && controller.state() != LodState::Settling;
-        steady = if is_steady { steady + 1 } else { 0 };
-        if next.lights != level.lights {
-            lights = fitted(next)?;
-        }
-        if next != level {
-            renderer.set_level_of_detail(next, &lights)?;
-        }
-        level = next;
+    let frame_rate = FrameRate::new(budget_ms, LodRange::up_to(best))?;
+    let [width, height] = look.picture.size;
+    let mut studio = Studio::new(&Gpu::new(gpu_options)?, stage.clone())?;
+    studio.hold_frame_rate(Some(frame_rate))?;
+    let mut frames: Vec<DrawnFrame> = Vec::new();
+    while frames.len() < MOST_FRAMES && !studio.frame_rate().is_some_and(FrameRate::is_steady) {
+        let failed = studio.wait().into_iter().find_map(|update| match update {
+            Update::Failed(error) => Some(error),
+            _ => None,
+        });
+        failed.map_or(Ok(()), Err)?;
+        studio.submit(width, height)?;
+        studio.renderer().wait()?;
+        studio.poll();
+        frames.extend(studio.take_times());
     }
-    Ok(Settled { level, budget_ms, state: controller.state(), frames })
+    let state = studio.frame_rate().map_or(LodState::Settling, FrameRate::state);
+    let level = frames.last().map_or(best, |frame| frame.level);
+    Ok(Settled { level, budget_ms, state, frames })
 }
 
 impl Settled {
@@ -132,16 +110,17 @@ impl Settled {
 
     /// Median of the last frames [ms].
     fn milliseconds(&self) -> f64 {
-        let last = self.frames.iter().rev().take_while(|(level, _)| *level == self.level);
-        super::render::median(last.take(STEADY_FRAMES).map(|(_, milliseconds)| *milliseconds).collect())
+        let last = self.frames.iter().rev().take_while(|frame| frame.level == self.level);
+        super::render::median(last.take(LAST_FRAMES).map(DrawnFrame::milliseconds).collect())
     }
 
     /// Everything, for the statistics.
     pub fn document(&self) -> Value {
-        let frames = self.frames.iter().map(|(level, milliseconds)| {
+        let frames = self.frames.iter().map(|frame| {
+            let LevelOfDetail { lights, shadow_resolution, shadow_sampling } = frame.level;
             json!({
-                "lights": level.lights, "shadow_resolution": level.shadow_resolution,
-                "shadow_sampling": level.shadow_sampling, "milliseconds": milliseconds,
+                "lights": lights, "shadow_resolution": shadow_resolution, "shadow_sampling": shadow_sampling,
+                "milliseconds": frame.milliseconds(),
             })
         });
         json!({

@@ -9,24 +9,25 @@ use gnomon_testing::tolerances::GPU_POSE_ERROR;
 
 use crate::Gpu;
 use crate::geometry::{Geometry, TransformPass, by_material};
-use crate::recorder::Recorder;
+use crate::gpu::ReadBack;
+use crate::recorder::{Clock, Recorder, new_encoder};
 use crate::twins::gpu_or_skip;
 
 /// What the transform pass wrote: positions, normals, tangents.
 fn on_gpu(gpu: &Gpu, pass: &TransformPass, geometry: &Geometry, count: usize) -> [Vec<Vec4>; 3] {
     let size = 16 * count as u64;
-    let mut recorder = Recorder::new(gpu, false);
-    pass.encode(&mut recorder, geometry);
+    let mut encoder = new_encoder(gpu);
+    pass.encode(&mut Recorder::new(gpu, &mut encoder, Clock::Off), geometry);
     let sources = [&geometry.positions_world, &geometry.normals_world, &geometry.tangents_world];
     let copies = sources.map(|source| {
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let copy = gpu.empty_buffer("copy", size, usage);
-        recorder.encoder.copy_buffer_to_buffer(source, 0, &copy, 0, size);
-        copy
+        encoder.copy_buffer_to_buffer(source, 0, &copy, 0, size);
+        ReadBack::of_buffer(gpu, &encoder, copy)
     });
-    recorder.finish().unwrap();
+    gpu.queue.submit([encoder.finish()]);
     copies.map(|copy| {
-        let bytes = gpu.read_buffer(&copy).unwrap();
+        let bytes = gpu.wait_for(copy).unwrap();
         bytemuck::pod_collect_to_vec::<u8, Vec4>(&bytes)[..count].to_vec()
     })
 }

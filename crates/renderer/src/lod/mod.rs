@@ -44,6 +44,19 @@ impl Default for LodRange {
     }
 }
 
+impl LodRange {
+    /// From the least detail up to `best`.
+    pub fn up_to(best: LevelOfDetail) -> Self {
+        let least = Self::default().least;
+        let least = LevelOfDetail {
+            lights: least.lights.min(best.lights),
+            shadow_resolution: least.shadow_resolution.min(best.shadow_resolution),
+            shadow_sampling: least.shadow_sampling.max(best.shadow_sampling),
+        };
+        Self { least, best }
+    }
+}
+
 /// Measured times of one frame [ms].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimes {
@@ -60,7 +73,7 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// The times of a profiled frame, see [`crate::MeasureSettings::profile`].
+    /// The times of a frame whose passes are timed, see [`crate::MeasureSettings::profile`].
     pub fn from_passes(passes: &[PassTiming]) -> Self {
         let mut times = Self::default();
         for pass in passes {

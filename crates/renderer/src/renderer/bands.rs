@@ -2,9 +2,14 @@
 
 use std::ops::Range;
 
-use super::Renderer;
+use bytemuck::pod_collect_to_vec;
+use gnomon_picture::RgbImage;
+
+use super::{Frame, Renderer};
+use crate::gpu::TextureReadBack;
+use crate::recorder::{FrameTimings, add_times};
 use crate::settings::TechniqueSettings;
-use crate::shading_points;
+use crate::{Gpu, RenderError, shading_points};
 
 /// Rows of a picture that are drawn at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,13 +60,54 @@ impl Renderer {
     }
 }
 
+/// A picture that is being drawn and read back.
+pub(super) struct BandsInFlight {
+    pub(super) gpu: Gpu,
+    pub(super) size: [u32; 2],
+    pub(super) bands: Vec<BandInFlight>,
+}
+
+/// A band of it, on its way.
+pub(super) struct BandInFlight {
+    pub(super) band: Band,
+    pub(super) radiance: TextureReadBack,
+    pub(super) display: TextureReadBack,
+    pub(super) timings: FrameTimings,
+}
+
+impl BandsInFlight {
+    /// The picture, once everything is there.
+    pub(super) async fn frame(self) -> Result<Frame, RenderError> {
+        let Self { gpu, size: [width, height], bands } = self;
+        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+        for BandInFlight { band, radiance: texels, display: bytes, timings: of_band } in bands {
+            let texels: Vec<[f32; 4]> = pod_collect_to_vec(&texels.texels().await?);
+            let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&bytes.texels().await?);
+            let before = ((band.kept.start - band.drawn.start) * width) as usize;
+            let count = (band.kept.len() as u32 * width) as usize;
+            let kept = texels.iter().skip(before).take(count);
+            radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
+            display.extend(bytes.into_iter().skip(before).take(count));
+            add_times(&mut timings, of_band.passes().await?);
+        }
+        gpu.check()?;
+        let pixels = radiance.iter().filter(|radiance| !radiance.is_finite()).count();
+        if pixels > 0 {
+            return Err(RenderError::NotFinite { pixels, adapter: gpu.adapter().name.clone() });
+        }
+        let radiance = RgbImage::from_texels(width, height, radiance)
+            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
+        Ok(Frame { radiance, display, timings })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use gnomon_lights::fit::{FitOptions, by_name};
     use gnomon_scene::builtin;
 
     use super::*;
-    use crate::{Gpu, GpuOptions, RenderSettings};
+    use crate::{GpuOptions, RenderSettings};
 
     #[test]
     fn bands_keep_every_row_once_and_overlap() {
@@ -101,7 +147,8 @@ mod tests {
             let size = [64, 50];
             let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
             let mut differences = |overlap: u32| {
-                let banded = renderer.render_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
+                let bands = renderer.begin_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
+                let banded = gpu.wait_for(bands.frame()).unwrap();
                 assert_eq!(banded.display.len(), whole.display.len());
                 let pairs = whole.radiance.texels().iter().zip(banded.radiance.texels());
                 // Directions are rounded a little differently, which bright places of the environment show.

@@ -40,6 +40,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::UnknownName`]; the view is then what it was.
     pub fn set_debug_view(&mut self, name: &str, light: usize) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         self.debug = match debug_view::by_name(name)? {
             None => None,
             Some(view) => {
@@ -49,7 +50,12 @@ impl Renderer {
             }
         };
         self.bind_debug_view();
-        self.gpu.check()
+        scopes.finish()
+    }
+
+    /// Whether a debug view takes the place of the picture.
+    pub fn shows_debug_view(&self) -> bool {
+        self.debug.is_some()
     }
 
     /// Number of lights that a frame sums: of the environment, its ambient rest and the scene.

@@ -1,63 +1,77 @@
 //! Drawing frames: whole, in bands, for a file, a benchmark or a window.
 
-use bytemuck::pod_collect_to_vec;
 use glam::Mat4;
-use gnomon_picture::RgbImage;
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_scene::Camera;
 use gnomon_shaders::layout;
 
-use super::bands::Band;
+use super::bands::{Band, BandInFlight, BandsInFlight};
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
 use crate::compose::RADIANCE_FORMAT;
+use crate::gpu::TextureReadBack;
 use crate::light_batches::LitScene;
-use crate::recorder::{PassTiming, Recorder};
+use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
 use crate::settings::{Chosen, in_range};
 use crate::shading_points::SumPlanes;
 
 impl Renderer {
-    /// Draws one frame of `width` x `height` pixels and waits for it. Where the adapter allows no buffer for the light of all its
-    /// samples it is drawn in bands of rows; [`Renderer::display_view`] then shows the last one.
+    /// Draws one frame of `width` x `height` pixels and waits for it: [`Renderer::render_async`], waited for.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
+        let frame = self.render_async(camera, width, height);
+        self.gpu.wait_for(frame)
+    }
+
+    /// Draws one frame of `width` x `height` pixels and reads it back. When this returns everything is recorded and submitted, and the
+    /// renderer is free for the next frame; the future is ready once the GPU has drawn it and the device was polled after that
+    /// ([`wgpu::Device::poll`], [`wgpu::Queue::submit`]; browsers do so by themselves).
+    ///
+    /// Where the adapter allows no buffer for the light of all its samples the picture is drawn in bands of rows;
+    /// [`Renderer::display_view`] then shows the last one.
     ///
     /// # Errors
     /// [`RenderError::OutOfRange`] for an empty or too large picture, [`RenderError::Device`] where the device failed,
     /// [`RenderError::NotFinite`] where it drew what is no picture.
-    pub fn render(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Frame, RenderError> {
-        self.check_size([width, height])?;
-        self.render_bands(camera, [width, height], &self.bands([width, height]))
-    }
-
-    pub(super) fn render_bands(
+    pub fn render_async(
         &mut self,
         camera: &Camera,
-        [width, height]: [u32; 2],
+        width: u32,
+        height: u32,
+    ) -> impl Future<Output = Result<Frame, RenderError>> + Send + use<> {
+        let size = [width, height];
+        let begun = self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size)));
+        async move { begun?.frame().await }
+    }
+
+    /// Submits every band with its read-back: each is copied before the next one is drawn in its place.
+    pub(super) fn begin_bands(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
         bands: &[Band],
-    ) -> Result<Frame, RenderError> {
-        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+    ) -> Result<BandsInFlight, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new() };
         for band in bands {
-            add(&mut timings, self.submit_band(camera, [width, height], band)?);
-            self.gpu.wait()?;
+            let scopes = gpu.catch_errors();
+            self.judge_clocks(camera, size, band)?;
+            let mut encoder = new_encoder(&gpu);
+            let timings = self.record_band(&mut encoder, camera, size, band, self.clock())?;
             let Some(target) = &self.target else {
                 return Err(RenderError::Device("no frame was drawn".to_owned()));
             };
-            let texels: Vec<[f32; 4]> =
-                pod_collect_to_vec(&self.gpu.read_texture(&target.output.radiance, 16)?);
-            let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&self.gpu.read_texture(&target.output.display, 4)?);
-            let before = ((band.kept.start - band.drawn.start) * width) as usize;
-            let count = (band.kept.len() as u32 * width) as usize;
-            let kept = texels.iter().skip(before).take(count);
-            radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
-            display.extend(bytes.into_iter().skip(before).take(count));
+            let mut read = |texture, bytes| TextureReadBack::new(&gpu, &mut encoder, texture, bytes);
+            let (radiance, display) = (read(&target.output.radiance, 16), read(&target.output.display, 4));
+            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, timings });
+            gpu.queue.submit([encoder.finish()]);
+            scopes.finish()?;
         }
-        let pixels = radiance.iter().filter(|radiance| !radiance.is_finite()).count();
-        if pixels > 0 {
-            return Err(RenderError::NotFinite { pixels, adapter: self.gpu.adapter().name.clone() });
-        }
-        let radiance = RgbImage::from_texels(width, height, radiance)
-            .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
-        Ok(Frame { radiance, display, timings })
+        Ok(in_flight)
     }
 
     /// Draws one frame without reading it back, in bands as [`Renderer::render`] does, and waits until the device is idle: what a
@@ -65,35 +79,80 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::render`].
-    pub fn draw(&mut self, camera: &Camera, width: u32, height: u32) -> Result<Vec<PassTiming>, RenderError> {
-        self.check_size([width, height])?;
-        let mut timings = Vec::new();
-        for band in self.bands([width, height]) {
-            add(&mut timings, self.submit_band(camera, [width, height], &band)?);
-            self.gpu.wait()?;
-        }
-        Ok(timings)
-    }
-
-    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`].
-    ///
-    /// # Errors
-    /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
-    /// may come only with a later call.
-    pub fn submit(
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn draw(
         &mut self,
         camera: &Camera,
         width: u32,
         height: u32,
-    ) -> Result<Vec<PassTiming>, RenderError> {
-        self.check_size([width, height])?;
-        self.submit_band(camera, [width, height], &Band::whole(height))
+    ) -> Result<Vec<crate::PassTiming>, RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let mut times = Vec::new();
+        for band in self.bands(size) {
+            let timings = self.submit_band(camera, size, &band, self.settings().measure.profile)?;
+            self.gpu.wait()?;
+            crate::recorder::add_times(&mut times, self.gpu.wait_for(timings.passes())?);
+        }
+        Ok(times)
+    }
+
+    /// Draws one frame without waiting for it: for a window, which shows [`Renderer::display_view`]. Gives the frame's number, under
+    /// which [`Renderer::take_times`] tells its times later where they are asked for ([`crate::MeasureSettings::profile`]).
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], and [`RenderError::OverLimit`] for a picture that would have to be drawn in bands; faults of the device
+    /// may come only with a later call.
+    pub fn submit(&mut self, camera: &Camera, width: u32, height: u32) -> Result<u64, RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let is_timed = self.settings().measure.profile && self.in_flight.has_room();
+        let timings = self.submit_band(camera, size, &Band::whole(height), is_timed)?;
+        Ok(self.in_flight.add(is_timed.then_some(timings)))
+    }
+
+    /// Records one frame into an encoder of the embedding program, which submits it: for a program that draws everything in one
+    /// submission. What changes from frame to frame is uploaded through the device's queue at once, so that an encoder can hold one
+    /// frame of a renderer, and it is to be submitted before the renderer draws another. Passes are not timed.
+    ///
+    /// # Errors
+    /// As [`Renderer::submit`].
+    pub fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &Camera,
+        width: u32,
+        height: u32,
+    ) -> Result<(), RenderError> {
+        let size = [width, height];
+        self.check_size(size)?;
+        let scopes = self.gpu.catch_errors();
+        self.record_band(encoder, camera, size, &Band::whole(height), Clock::Off)?;
+        scopes.finish()
+    }
+
+    fn submit_band(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        band: &Band,
+        is_timed: bool,
+    ) -> Result<FrameTimings, RenderError> {
+        let scopes = self.gpu.catch_errors();
+        self.judge_clocks(camera, size, band)?;
+        let clock = if is_timed { self.clock() } else { Clock::Off };
+        let mut encoder = new_encoder(&self.gpu);
+        let timings = self.record_band(&mut encoder, camera, size, band, clock)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        scopes.finish()?;
+        Ok(timings)
     }
 
     /// Waits until everything that was submitted is drawn.
     ///
     /// # Errors
     /// [`RenderError::Device`] where the device failed.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(&self) -> Result<(), RenderError> {
         self.gpu.wait()
     }
@@ -106,13 +165,15 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws the rows of a band of a picture of `width` x `height` pixels, top row first, without waiting for them.
-    fn submit_band(
+    /// Records the rows of a band of a picture of `width` x `height` pixels, top row first.
+    pub(super) fn record_band(
         &mut self,
+        encoder: &mut wgpu::CommandEncoder,
         camera: &Camera,
         [width, height]: [u32; 2],
         band: &Band,
-    ) -> Result<Vec<PassTiming>, RenderError> {
+        clock: Clock,
+    ) -> Result<FrameTimings, RenderError> {
         let rows = band.drawn.clone();
         let is_first = band.kept.start == 0;
         self.gpu.check()?;
@@ -133,7 +194,7 @@ impl Renderer {
         let matrices = matrices.cropped(height, rows);
         self.write_uniforms((lit, target), camera, &matrices, sample_size);
 
-        let mut recorder = Recorder::new(&self.gpu, settings.measure.profile);
+        let mut recorder = Recorder::new(&self.gpu, encoder, clock);
         if is_first {
             self.passes.transform.encode(&mut recorder, &self.geometry);
         }
@@ -179,7 +240,7 @@ impl Renderer {
         }
         self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
         recorder.end_pass("resolve")?;
-        recorder.finish()
+        Ok(recorder.finish())
     }
 
     fn write_uniforms(
@@ -257,16 +318,5 @@ impl Renderer {
             )?],
             output: self.passes.resolve.output(gpu, &samples, size),
         })
-    }
-}
-
-/// Adds a band's times to those of the bands before it.
-fn add(timings: &mut Vec<PassTiming>, of_band: Vec<PassTiming>) {
-    if timings.is_empty() {
-        *timings = of_band;
-        return;
-    }
-    for (sum, pass) in timings.iter_mut().zip(of_band) {
-        sum.milliseconds += pass.milliseconds;
     }
 }

@@ -37,6 +37,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_lighting`]; the lighting before it then stays.
     pub fn set_prepared_lighting(&mut self, prepared: PreparedLighting) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         let mut chosen = self.state.chosen.clone();
         chosen.ambient = prepared.ambient;
         chosen.settings.lighting.ambient = prepared.ambient.name.to_owned();
@@ -45,7 +46,7 @@ impl Renderer {
         let lit = self.lit(&chosen, parts, Lighting::new(&self.gpu, prepared)?, &self.near_lights)?;
         self.state.chosen = chosen;
         self.take_lit(lit);
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// How the next frames are displayed.
@@ -75,7 +76,8 @@ impl Renderer {
         scene: &Scene,
         set: &LightSet,
     ) -> Result<(), RenderError> {
-        let chosen = Chosen::new(settings)?;
+        let scopes = self.gpu.catch_errors();
+        let chosen = Chosen::new(&self.gpu, settings)?;
         let cells = |chosen: &Chosen| chosen.settings.lighting.ambient_cells;
         let same_rest =
             (chosen.ambient, cells(&chosen)) == (self.state.chosen.ambient, cells(&self.state.chosen));
@@ -90,6 +92,6 @@ impl Renderer {
         self.keep_target_for(&next.chosen);
         self.state = next;
         self.bind_debug_view();
-        self.gpu.check()
+        scopes.finish()
     }
 }

@@ -13,6 +13,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn set_materials(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
         if !self.geometry.is_of(scene) {
             return self.set_scene(scene);
         }
@@ -21,7 +22,7 @@ impl Renderer {
             self.take_materials(materials);
         }
         self.take_lobes(scene);
-        self.gpu.check()
+        scopes.finish()
     }
 
     /// Takes materials over that lie elsewhere on the GPU.

@@ -39,6 +39,10 @@ impl ShadowTechnique for Buffered {
         "shadow_buffered"
     }
 
+    fn needed_features(&self) -> wgpu::Features {
+        self.0.needed_features()
+    }
+
     fn depth_maps(&self) -> Option<MapDepth> {
         self.0.depth_maps()
     }

@@ -20,7 +20,7 @@ use buffered::Buffered;
 use gnomon_options::{Choice, choices, settings};
 use technique::ShadowTechnique;
 
-use crate::RenderError;
+use crate::{Gpu, RenderError};
 
 pub use convolution::{ConvolutionSettings, Footprint, Prefilter};
 pub use hard::HardSettings;
@@ -97,4 +97,18 @@ pub(crate) fn by_name(name: &str, path: VisibilityPath) -> Result<&'static dyn S
         VisibilityPath::Inline => inline,
         VisibilityPath::Buffered => buffered,
     })
+}
+
+/// The same, where the device has what it needs.
+///
+/// # Errors
+/// As [`by_name`], and [`RenderError::NeedsFeature`].
+pub(crate) fn usable(
+    gpu: &Gpu,
+    name: &str,
+    path: VisibilityPath,
+) -> Result<&'static dyn ShadowTechnique, RenderError> {
+    let technique = by_name(name, path)?;
+    gpu.require(technique.name(), technique.needed_features())?;
+    Ok(technique)
 }

@@ -38,7 +38,7 @@ settings! {
     }
 }
 
-/// Filterable in 32 bits wherever the renderer runs at all. Half floats would lose the moments' differences, and 16-bit
+/// Half floats would lose the moments' differences, and 16-bit
 /// normalised storage textures are no part of WebGPU.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
@@ -53,6 +53,11 @@ impl ShadowTechnique for Moments {
 
     fn module(&self, _: &ShadowSettings) -> &'static str {
         "shadow_moments"
+    }
+
+    /// Moments must be filtered in 32 bits.
+    fn needed_features(&self) -> wgpu::Features {
+        wgpu::Features::FLOAT32_FILTERABLE
     }
 
     fn depth_maps(&self) -> Option<MapDepth> {

@@ -22,6 +22,10 @@ pub(crate) trait ShadowTechnique: Sync {
     /// WGSL module with `visibility(light, point, position_world, normal_world, n) -> f32`: of a light of the batch, at a shading point by its
     /// number, place, geometric and shading normal. `shadow_buffered` for a technique that fills a buffer.
     fn module(&self, settings: &ShadowSettings) -> &'static str;
+    /// Features of the device that it needs beyond WebGPU's core.
+    fn needed_features(&self) -> wgpu::Features {
+        wgpu::Features::empty()
+    }
     /// What the lights' depth maps hold; `None` where it needs none. Only lights with maps differ in the size of them.
     fn depth_maps(&self) -> Option<MapDepth>;
     /// Whether grounds cast shadows of lights of which they block nothing, too.

@@ -145,7 +145,7 @@ pub fn resolve(uri: &str, source: &Source, budget: &mut Budget) -> Result<Vec<u8
         return Err(Fault::Unsupported(format!("'{uri}' is not a path relative to the file")));
     }
     let path = source.sibling(&path);
-    super::super::read_file(&path, budget).map_err(|fault| Fault::Elsewhere(fault.at(&path)))
+    source.read(&path, budget).map_err(|fault| Fault::Elsewhere(fault.at(&path)))
 }
 
 /// Padding is often left out.

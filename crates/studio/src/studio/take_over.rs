@@ -1,4 +1,4 @@
-//! What threads work out, and taking it over.
+//! What background work brings, and taking it over.
 
 use std::sync::Arc;
 
@@ -8,6 +8,7 @@ use gnomon_renderer::{Gpu, PreparedLighting, Renderer};
 
 use super::{LightingKey, Studio, Update};
 use crate::environment::{LightingRequest, LightingResult, MapSource, work_out, work_out_stage};
+use crate::frame_rate::FramesInFlight;
 use crate::{Look, Project, SceneSource, Stage, StudioError};
 
 /// A scene to be loaded, and what there is already.
@@ -63,13 +64,15 @@ impl Studio {
         self.request_lighting_by(MapSource::Unread);
     }
 
-    /// Whether a thread is busy with lights or a scene.
+    /// Whether lights or a scene are worked on.
     pub fn is_busy(&self) -> bool {
         self.lighting.is_busy() || self.scenes.is_busy()
     }
 
-    /// Takes over what threads have finished; never waits for them. Call it once a frame.
+    /// Takes over what background work has finished and what is known of the times of frames; never waits. Call it once a frame: where
+    /// there are no threads, this gives background work its slice.
     pub fn poll(&mut self) -> Vec<Update> {
+        self.executor.run_slices();
         let mut updates = Vec::new();
         if let Some(loaded) = self.scenes.poll() {
             updates.push(self.take_scene(loaded.flatten()));
@@ -77,10 +80,11 @@ impl Studio {
         if let Some(worked_out) = self.lighting.poll() {
             updates.push(self.take_lighting(worked_out.flatten()));
         }
+        updates.extend(self.follow_times());
         updates
     }
 
-    /// Waits until no thread is busy, and takes everything over.
+    /// Waits until nothing is worked on in the background, and takes everything over. Not for a browser, unless by [`crate::Slices`].
     pub fn wait(&mut self) -> Vec<Update> {
         let mut updates = Vec::new();
         while let Some(loaded) = self.scenes.wait() {
@@ -103,6 +107,7 @@ impl Studio {
         renderer.set_environment_rotation(self.stage.world_from_environment())?;
         renderer.set_prepared_lighting(prepared)?;
         self.renderer = renderer;
+        self.in_flight = FramesInFlight::default();
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use super::fields::Fields;
 use crate::viewer::Viewer;
 
 pub fn show(fields: &mut Fields<'_>, viewer: &Viewer, times: &mut bool) {
-    fields.check("passes", "times", times, "time each (slower)");
+    fields.check("passes", "times", times, "time each");
     let picture = &viewer.picture;
     let column = 0.5 * fields.ui.available_width() - 8.0;
     Grid::new("times").num_columns(2).min_col_width(column).spacing(Vec2::new(16.0, 2.0)).striped(true).show(

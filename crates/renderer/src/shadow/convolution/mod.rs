@@ -154,6 +154,11 @@ impl ShadowTechnique for Convolution {
         }
     }
 
+    /// The average blocker depth must be filtered in 32 bits.
+    fn needed_features(&self) -> wgpu::Features {
+        wgpu::Features::FLOAT32_FILTERABLE
+    }
+
     fn depth_maps(&self) -> Option<MapDepth> {
         Some(MapDepth::Linear)
     }

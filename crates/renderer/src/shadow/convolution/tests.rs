@@ -4,6 +4,8 @@ use gnomon_shaders::twin::series;
 use gnomon_testing::tolerances;
 
 use super::*;
+use crate::gpu::ReadBack;
+use crate::recorder::{Clock, new_encoder};
 use crate::twins::gpu_or_skip;
 
 const SIZE: usize = 64;
@@ -91,9 +93,10 @@ fn evaluate(
 ) -> Vec<[f32; 4]> {
     let maps = depth_maps(gpu, depths);
     let resources = Filtered::new(gpu, settings, &maps).unwrap();
-    let mut recorder = Recorder::new(gpu, false);
+    let mut encoder = new_encoder(gpu);
+    let mut recorder = Recorder::new(gpu, &mut encoder, Clock::Off);
     resources.encode(&mut recorder, 1);
-    recorder.finish().unwrap();
+    gpu.queue.submit([encoder.finish()]);
     let shadows = ShadowSettings { convolution: settings.clone(), ..Default::default() };
     let source = format!(
         "{}
@@ -133,8 +136,9 @@ fn evaluate(
         pass.dispatch_workgroups(lookups.len().div_ceil(64) as u32, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&output, 0, &mapped, 0, size);
+    let read_back = ReadBack::of_buffer(gpu, &encoder, mapped);
     gpu.queue.submit([encoder.finish()]);
-    let bytes = gpu.read_buffer(&mapped).unwrap();
+    let bytes = gpu.wait_for(read_back).unwrap();
     bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes)[..lookups.len()].to_vec()
 }
 
