@@ -187,12 +187,14 @@ mod tests {
 
     #[test]
     fn wider_lights_have_smaller_maps_and_sharp_ones_that_give_much_light_larger_ones() {
-        let resolution = |footprint, share, usual| {
-            ShadowSizing::Footprint.resolution(footprint, share, [usual, 2048])
-        };
+        let resolution =
+            |footprint, share, usual| ShadowSizing::Footprint.resolution(footprint, share, [usual, 2048]);
         assert_eq!([0.15, 0.3, 0.6, 1.2, 100.0].map(|f| resolution(f, 0.5, 256)), [256, 128, 64, 32, 32]);
         assert_eq!([0.07, 0.02, 0.0].map(|f| resolution(f, 0.5, 256)), [512, 2048, 2048]);
-        assert_eq!([0.0, 0.01, 0.02, 0.04, 1.0].map(|s| resolution(0.0, s, 256)), [256, 256, 512, 1024, 2048]);
+        assert_eq!(
+            [0.0, 0.01, 0.02, 0.04, 1.0].map(|s| resolution(0.0, s, 256)),
+            [256, 256, 512, 1024, 2048]
+        );
         assert_eq!((resolution(100.0, 0.0, 16), resolution(0.0, 1.0, 4096)), (16, 4096));
         assert_eq!(ShadowSizing::Uniform.resolution(100.0, 1.0, [256, 2048]), 256);
     }

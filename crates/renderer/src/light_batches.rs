@@ -9,6 +9,7 @@ use crate::geometry::Geometry;
 use crate::light_pass::{self, LightPass};
 use crate::light_uniforms::{FittedLights, FrameLight, LightFitting, frame_lights, sum_scales};
 use crate::lighting::Lighting;
+use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::shading_points::ShadingPoints;
 use crate::shadow::depth_maps::DepthMaps;
@@ -65,6 +66,7 @@ pub(crate) struct BatchContext<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct LitScene<'a> {
     pub geometry: &'a Geometry,
+    pub materials: &'a Materials,
     /// Bind group of what the camera sees.
     pub gbuffer: &'a wgpu::BindGroup,
     /// Lists of shading points.
@@ -270,6 +272,7 @@ impl LightBatches {
         let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
         Some(FrameInputs {
             geometry: scene.geometry,
+            materials: scene.materials,
             frame: &batch.frame_group,
             gbuffer: scene.gbuffer,
             points: scene.points.get(self.classes[batch.class].needs.points)?,

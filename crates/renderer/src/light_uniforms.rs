@@ -38,7 +38,9 @@ impl FrameLight<'_> {
     /// Flux of a light of the environment, in luminance.
     pub fn flux(&self) -> f32 {
         match self {
-            Self::Distant { light, role: layout::ROLE_LIGHT } => light.radiance.dot(LUMINANCE) * light.solid_angle,
+            Self::Distant { light, role: layout::ROLE_LIGHT } => {
+                light.radiance.dot(LUMINANCE) * light.solid_angle
+            }
             _ => 0.0,
         }
     }
