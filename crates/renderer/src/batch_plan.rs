@@ -8,9 +8,13 @@ use crate::RenderError;
 /// Texels along the side of the smallest map.
 const LEAST_RESOLUTION: u32 = 32;
 
-/// Footprint up to which a light has the largest map; one twice as wide has one of half the side. Its penumbrae are wider than
-/// the larger texels.
-const FOOTPRINT_AT_FULL_RESOLUTION: f32 = 0.15;
+/// Footprint of a light with a map of [`crate::TechniqueSettings::shadow_resolution`]; one twice as wide has one of half the side. Its
+/// penumbrae are wider than the larger texels.
+const FOOTPRINT_AT_RESOLUTION: f32 = 0.15;
+
+/// A light that casts sharper shadows than that may have so many times the texels as it gives hundredths of all light: where it gives
+/// less, nobody sees how sharp they are.
+const SHARE_AT_RESOLUTION: f32 = 0.01;
 
 choices! {
     /// How large the lights' shadow maps are.
@@ -23,14 +27,16 @@ choices! {
 }
 
 impl ShadowSizing {
-    /// Texels along the side of the map of a light with [`crate::light_frame::footprint`] `footprint`, where the largest map
-    /// has `largest`.
-    pub(crate) fn resolution(self, footprint: f32, largest: u32) -> u32 {
-        let halvings = match self {
-            Self::Uniform => 0.0,
-            Self::Footprint => (footprint / FOOTPRINT_AT_FULL_RESOLUTION).log2().round().clamp(0.0, 16.0),
-        };
-        (largest >> halvings as u32).max(LEAST_RESOLUTION.min(largest))
+    /// Texels along the side of the map of a light with [`crate::light_frame::footprint`] `footprint` that gives a `share` of the
+    /// environment's light. `usual` and `sharpest` are those of the settings.
+    pub(crate) fn resolution(self, footprint: f32, share: f32, [usual, sharpest]: [u32; 2]) -> u32 {
+        if self == Self::Uniform {
+            return usual;
+        }
+        let most = (share / SHARE_AT_RESOLUTION).max(1.0);
+        let finer = (FOOTPRINT_AT_RESOLUTION / footprint).min(most).log2().round().clamp(-16.0, 16.0);
+        let texels = (f64::from(usual) * f64::from(finer).exp2()) as u32;
+        texels.clamp(LEAST_RESOLUTION.min(usual), sharpest.max(usual))
     }
 }
 
@@ -180,11 +186,16 @@ mod tests {
     }
 
     #[test]
-    fn wider_lights_have_smaller_maps() {
-        let sides: Vec<u32> =
-            [0.0, 0.1, 0.3, 0.6, 1.2, 100.0].map(|f| ShadowSizing::Footprint.resolution(f, 256)).into();
-        assert_eq!(sides, [256, 256, 128, 64, 32, 32]);
-        assert_eq!(ShadowSizing::Footprint.resolution(100.0, 16), 16);
-        assert_eq!(ShadowSizing::Uniform.resolution(100.0, 256), 256);
+    fn wider_lights_have_smaller_maps_and_sharp_ones_that_give_much_light_larger_ones() {
+        let resolution =
+            |footprint, share, usual| ShadowSizing::Footprint.resolution(footprint, share, [usual, 2048]);
+        assert_eq!([0.15, 0.3, 0.6, 1.2, 100.0].map(|f| resolution(f, 0.5, 256)), [256, 128, 64, 32, 32]);
+        assert_eq!([0.07, 0.02, 0.0].map(|f| resolution(f, 0.5, 256)), [512, 2048, 2048]);
+        assert_eq!(
+            [0.0, 0.01, 0.02, 0.04, 1.0].map(|s| resolution(0.0, s, 256)),
+            [256, 256, 512, 1024, 2048]
+        );
+        assert_eq!((resolution(100.0, 0.0, 16), resolution(0.0, 1.0, 4096)), (16, 4096));
+        assert_eq!(ShadowSizing::Uniform.resolution(100.0, 1.0, [256, 2048]), 256);
     }
 }

@@ -26,7 +26,7 @@ impl ComposePass {
         let mut environment = vec![(0, Binding::Uniform)];
         environment.extend((1..=5).map(|binding| (binding, Binding::LOADED)));
         let layers = Binding::Texture { dimension: D2_ARRAY, filterable: false };
-        environment.extend([(6, Binding::Uniform), (7, layers), (8, layers)]);
+        environment.extend([(6, Binding::Uniform), (7, layers), (8, layers), (9, Binding::Uniform)]);
         let environment_layout = gpu.layout("environment", compute, &environment);
         let module = gpu.shader("compose", &[("composite", compositing.module)])?;
         let groups = [
@@ -48,7 +48,7 @@ impl ComposePass {
     ) -> wgpu::BindGroup {
         let maps = [
             &lighting.background,
-            &lighting.irradiance_full,
+            &lighting.irradiance_rest,
             &lighting.prefiltered_full,
             &lighting.prefiltered_residual,
             &lighting.dfg_table,
@@ -58,6 +58,7 @@ impl ComposePass {
         resources.push((6, cache.parameters.as_entire_binding()));
         let layers = &cache.maps;
         resources.extend((7..).zip(layers).map(|(i, map)| (i, wgpu::BindingResource::TextureView(map))));
+        resources.push((9, lighting.emitters.as_entire_binding()));
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 

@@ -1,8 +1,11 @@
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use gnomon_scene::{Bounds, Instance, MaterialId, Mesh, MeshPart, Pose, Scene, SimplerTriangles, SkinId};
+use gnomon_scene::{
+    AlphaMode, Bounds, Instance, MaterialId, Mesh, MeshPart, Pose, Scene, SimplerTriangles, SkinId,
+};
 use gnomon_shaders::layout;
 use rayon::prelude::*;
 
@@ -24,7 +27,14 @@ struct StaticAttributes {
 pub(crate) struct DrawRange {
     /// Index into the scene's materials; `None` is the default material.
     pub material: Option<usize>,
-    pub indices: std::ops::Range<u32>,
+    /// Whether alpha cuts holes into it.
+    pub is_masked: bool,
+    pub indices: Range<u32>,
+}
+
+fn is_masked(scene: &Scene, mesh: &Mesh) -> bool {
+    let material = mesh.material.and_then(|material| scene.materials.get(material.0));
+    material.is_some_and(|material| matches!(material.alpha_mode, AlphaMode::Mask { .. }))
 }
 
 /// The scene's triangles on the GPU: as they lie in their meshes, and in world space after the frame's first pass.
@@ -59,13 +69,15 @@ pub(crate) struct Geometry {
 struct Kept {
     mesh: Arc<Mesh>,
     material: Option<MaterialId>,
+    is_masked: bool,
     skin: Option<SkinId>,
 }
 
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
-        Self { material: mesh.material, mesh, skin: instance.skin }
+        let is_masked = is_masked(scene, &mesh);
+        Self { material: mesh.material, is_masked, mesh, skin: instance.skin }
     }
 }
 
@@ -73,7 +85,8 @@ impl PartialEq for Kept {
     fn eq(&self, other: &Self) -> bool {
         // A mesh that was made anew, such as a ground, may be the same.
         let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh) || self.mesh == other.mesh;
-        same_mesh && (self.material, self.skin) == (other.material, other.skin)
+        let rest = |kept: &Self| (kept.material, kept.is_masked, kept.skin);
+        same_mesh && rest(self) == rest(other)
     }
 }
 
@@ -187,9 +200,10 @@ impl Geometry {
             indices.extend(mesh.triangles.iter().flatten().map(|index| first_vertex + index));
             let end = indices.len() as u32;
             let material = mesh.material.map(|material| material.0);
+            let is_masked = is_masked(scene, mesh);
             match ranges.last_mut() {
                 Some(range) if range.material == material => range.indices.end = end,
-                _ => ranges.push(DrawRange { material, indices: first_index..end }),
+                _ => ranges.push(DrawRange { material, is_masked, indices: first_index..end }),
             }
             let world_from_mesh = placement.world_from_mesh;
             let new_box = |bounds, indices| InstanceBox {
@@ -206,7 +220,9 @@ impl Geometry {
                     boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, None));
                 }
             } else if let Some(detail) = details.get(&address(mesh)) {
-                simpler.push((boxes.len(), &detail.simpler, first_vertex));
+                if !is_masked {
+                    simpler.push((boxes.len(), &detail.simpler, first_vertex));
+                }
                 let index = |triangle: usize| first_index + 3 * triangle as u32;
                 boxes.extend(detail.parts.iter().map(|part| {
                     let is_alone = part.triangles.len() == part.count;
@@ -293,6 +309,26 @@ impl Geometry {
         };
         geometry.move_boxes(scene, &pose, &placed)?;
         Ok(geometry)
+    }
+
+    /// Parts of `indices` that are drawn with holes, each with its range's material, and those that are drawn whole.
+    pub fn split_masked(&self, indices: &[Range<u32>]) -> (Vec<DrawRange>, Vec<Range<u32>>) {
+        let (mut masked, mut whole) = (Vec::new(), Vec::new());
+        for indices in indices {
+            let mut start = indices.start;
+            for range in self.ranges.iter().filter(|range| range.is_masked) {
+                let part = range.indices.start.max(start)..range.indices.end.min(indices.end);
+                if part.is_empty() {
+                    continue;
+                }
+                whole.push(start..part.start);
+                start = part.end;
+                masked.push(DrawRange { indices: part, ..*range });
+            }
+            whole.push(start..indices.end);
+        }
+        whole.retain(|range| !range.is_empty());
+        (masked, whole)
     }
 
     /// Whether the scene places the same meshes, each with the material and skin that it had.

@@ -18,6 +18,7 @@ mod gbuffer;
 mod geometry;
 mod gpu;
 mod ground;
+mod irradiance;
 mod light_batches;
 mod light_frame;
 mod light_pass;

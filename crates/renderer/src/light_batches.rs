@@ -7,8 +7,9 @@ use gnomon_shaders::layout;
 use crate::batch_plan::{Budget, Class, LightNeeds, plan};
 use crate::geometry::Geometry;
 use crate::light_pass::{self, LightPass};
-use crate::light_uniforms::{FittedLights, LightFitting, frame_lights, sum_scales};
+use crate::light_uniforms::{FittedLights, FrameLight, LightFitting, frame_lights, sum_scales};
 use crate::lighting::Lighting;
+use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::shading_points::ShadingPoints;
 use crate::shadow::depth_maps::DepthMaps;
@@ -65,6 +66,7 @@ pub(crate) struct BatchContext<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct LitScene<'a> {
     pub geometry: &'a Geometry,
+    pub materials: &'a Materials,
     /// Bind group of what the camera sees.
     pub gbuffer: &'a wgpu::BindGroup,
     /// Lists of shading points.
@@ -89,7 +91,9 @@ impl LightBatches {
         let shadow_settings = &settings.shadow_settings;
         // What is decided by the lights' sizes does not change as the environment turns.
         let all = frame_lights(lighting.fitted(), near_lights);
-        let needs: Vec<LightNeeds> = all.iter().map(|light| light.needs(technique, settings)).collect();
+        let total_flux = all.iter().map(FrameLight::flux).sum();
+        let needs: Vec<LightNeeds> =
+            all.iter().map(|light| light.needs(technique, settings, total_flux)).collect();
         let room = |needs: LightNeeds| points.get(needs.points).copied().unwrap_or(0);
         let memory = |needs: LightNeeds| technique.memory(shadow_settings, needs.resolution);
         let bytes_per_light = |needs| memory(needs).per_light + memory(needs).per_pair * room(needs);
@@ -268,6 +272,7 @@ impl LightBatches {
         let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
         Some(FrameInputs {
             geometry: scene.geometry,
+            materials: scene.materials,
             frame: &batch.frame_group,
             gbuffer: scene.gbuffer,
             points: scene.points.get(self.classes[batch.class].needs.points)?,

@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 use gnomon_lights::DistantLight;
+use gnomon_picture::LUMINANCE;
 use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
@@ -34,12 +35,29 @@ pub(crate) fn frame_lights<'a>(
 }
 
 impl FrameLight<'_> {
-    /// What decides with which other lights it shares a batch.
-    pub fn needs(&self, technique: &dyn ShadowTechnique, settings: &TechniqueSettings) -> LightNeeds {
+    /// Flux of a light of the environment, in luminance.
+    pub fn flux(&self) -> f32 {
+        match self {
+            Self::Distant { light, role: layout::ROLE_LIGHT } => {
+                light.radiance.dot(LUMINANCE) * light.solid_angle
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// What decides with which other lights it shares a batch. All lights of the environment have `total_flux`.
+    pub fn needs(
+        &self,
+        technique: &dyn ShadowTechnique,
+        settings: &TechniqueSettings,
+        total_flux: f32,
+    ) -> LightNeeds {
         let resolution = match self {
             _ if technique.depth_maps().is_none() => 1,
             Self::Distant { light, .. } => {
-                settings.shadow_sizing.resolution(footprint(light), settings.shadow_resolution)
+                let share = self.flux() / total_flux.max(f32::MIN_POSITIVE);
+                let sizes = [settings.shadow_resolution, settings.sharp_shadow_resolution];
+                settings.shadow_sizing.resolution(footprint(light), share, sizes)
             }
             Self::Near(_) => settings.shadow_resolution,
         };

@@ -1,20 +1,17 @@
-use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{Quat, Vec2, Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;
+use gnomon_shaders::layout;
 
 use crate::ambient::{self, Ambient, AmbientLights};
+use crate::irradiance::Irradiance;
 use crate::{Gpu, RenderError, RenderSettings};
 
 /// Texels along the side of the environment BRDF's table; the outermost ones stand for 0 and 1.
 const DFG_SIZE: u32 = 32;
-/// Height of the irradiance map: irradiance varies with the cosine of 180 degrees, so 5.6 degrees a texel is ample.
-const IRRADIANCE_HEIGHT: u32 = 32;
-/// Height of the map that irradiance is integrated from.
-const IRRADIANCE_SOURCE_HEIGHT: u32 = 64;
 /// Width of the sharpest prefiltered level, and number of levels.
 const PREFILTERED_WIDTH: u32 = 512;
 const PREFILTERED_LEVELS: u32 = 6;
@@ -29,7 +26,7 @@ pub struct PreparedLighting {
     residual: Equirect,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
-    irradiance_full: RgbImage,
+    irradiance: Irradiance,
     prefiltered_full: Vec<Equirect>,
     rest: PreparedRest,
 }
@@ -55,7 +52,7 @@ impl PreparedLighting {
             ambient_cells,
             full_sh: spherical_harmonics(map),
             background: mip_levels(map),
-            irradiance_full: irradiance_map(map),
+            irradiance: Irradiance::new(map),
             prefiltered_full: prefiltered(map),
             rest: PreparedRest::new(&ambient.residual),
             residual: ambient.residual,
@@ -92,7 +89,9 @@ pub(crate) struct Lighting {
     pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
     pub background: wgpu::TextureView,
-    pub irradiance_full: wgpu::TextureView,
+    /// [`layout::Emitters`] of the whole environment, and the irradiance of all else over the sphere of normals.
+    pub emitters: wgpu::Buffer,
+    pub irradiance_rest: wgpu::TextureView,
     pub prefiltered_full: wgpu::TextureView,
     pub prefiltered_residual: wgpu::TextureView,
     pub dfg_table: wgpu::TextureView,
@@ -121,7 +120,8 @@ impl Lighting {
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
             background: upload_maps(gpu, "background", &prepared.background),
-            irradiance_full: upload(gpu, "irradiance", &[prepared.irradiance_full]),
+            emitters: upload_emitters(gpu, &prepared.irradiance.emitters),
+            irradiance_rest: upload(gpu, "irradiance", &[prepared.irradiance.rest]),
             prefiltered_full: upload_maps(gpu, "prefiltered", &prepared.prefiltered_full),
             prefiltered_residual: upload_maps(gpu, "prefiltered", &prepared.rest.prefiltered),
             residual: Arc::new(prepared.residual),
@@ -201,26 +201,10 @@ fn upload<'a>(gpu: &Gpu, label: &str, levels: impl IntoIterator<Item = &'a RgbIm
     texture.create_view(&Default::default())
 }
 
-/// Irradiance of the whole map for every normal, an equirect map itself, by summing over all texels.
-fn irradiance_map(map: &Equirect) -> RgbImage {
-    let height = IRRADIANCE_SOURCE_HEIGHT.min(map.height());
-    let source = map.resized(2 * height, height);
-    let emitters: Vec<(Vec3, f32, Vec3)> = (0..height)
-        .flat_map(|y| (0..source.width()).map(move |x| (x, y)))
-        .map(|(x, y)| {
-            let solid_angle = source.texel_solid_angle(y) as f32;
-            (source.texel_direction(x, y), solid_angle, source.radiance().get(x, y))
-        })
-        .collect();
-    RgbImage::from_fn(2 * IRRADIANCE_HEIGHT, IRRADIANCE_HEIGHT, |x, y| {
-        let size = Vec2::new(2.0 * IRRADIANCE_HEIGHT as f32, IRRADIANCE_HEIGHT as f32);
-        let n = Equirect::direction_from_uv(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / size);
-        let (sum, cosines) =
-            emitters.iter().fold((Vec3::ZERO, 0.0), |(sum, cosines), (w, solid_angle, radiance)| {
-                let projected = w.dot(n).max(0.0) * solid_angle;
-                (sum + *radiance * projected, cosines + projected)
-            });
-        // The cosines sum to pi only up to discretisation; this makes a constant map exact.
-        sum * (PI / cosines)
-    })
+fn upload_emitters(gpu: &Gpu, emitters: &[layout::Emitter]) -> wgpu::Buffer {
+    let mut uniform = layout::Emitters { count: emitters.len() as u32, ..Default::default() };
+    for (slot, emitter) in uniform.emitters.iter_mut().zip(emitters) {
+        *slot = *emitter;
+    }
+    gpu.buffer_with("emitters", &layout::bytes(&uniform), wgpu::BufferUsages::UNIFORM)
 }

@@ -94,7 +94,7 @@ impl Renderer {
         let passes = Passes {
             transform: TransformPass::new(gpu)?,
             shared: SharedPasses {
-                shadow_map: ShadowMapPass::new(gpu)?,
+                shadow_map: ShadowMapPass::new(gpu, &gbuffer.material_layout)?,
                 frame: light_pass::frame_layout(gpu),
                 gbuffer: gbuffer.read_layout.clone(),
             },

@@ -64,6 +64,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "resolve", slots: &[] },
     Entry { module: "shading_points", slots: &[] },
     Entry { module: "shadow_map", slots: &[] },
+    Entry { module: "shadow_map_masked", slots: &[] },
     Entry { module: "summed_area", slots: &[] },
     Entry { module: "transform", slots: &[] },
     Entry { module: "visibility", slots: &[("shadow", SHADOWS)] },

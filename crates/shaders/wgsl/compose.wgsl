@@ -3,6 +3,7 @@
 #import cached_radiance
 #import sh
 #import light_sums
+#import form_factor
 #import slot:composite
 
 // Radiance of every sample: unshadowed light, what the lights' sums make of it, emission; or the environment itself.
@@ -14,7 +15,12 @@ fn full_irradiance(n: vec3f) -> vec3f {
     if (view.flags & FLAG_SPHERICAL_HARMONICS) != 0u {
         return max(sh_irradiance(view.full_sh, n), vec3f(0.0));
     }
-    return equirect_lookup(irradiance_full, n, 0);
+    var irradiance = equirect_lookup(irradiance_rest, n, 0);
+    for (var i = 0u; i < emitters.count; i++) {
+        let emitter = emitters.emitters[i];
+        irradiance += emitter.radiance * disk_form_factor(n, emitter.direction, emitter.angular_radius);
+    }
+    return irradiance;
 }
 
 @compute @workgroup_size(TILE, TILE)

@@ -6,13 +6,16 @@
 
 // The whole environment as the camera sees it, with mip levels.
 @group(GROUP_FRAME) @binding(1) var background: texture_2d<f32>;
-// Irradiance of the whole environment over the sphere of normals.
-@group(GROUP_FRAME) @binding(2) var irradiance_full: texture_2d<f32>;
+// Irradiance over the sphere of normals of all but the emitters.
+@group(GROUP_FRAME) @binding(2) var irradiance_rest: texture_2d<f32>;
 // GGX-prefiltered radiance, levels as in prefiltered.wgsl: whole environment, residual.
 @group(GROUP_FRAME) @binding(3) var prefiltered_full: texture_2d<f32>;
 @group(GROUP_FRAME) @binding(4) var prefiltered_residual: texture_2d<f32>;
 // Scale and bias of f0 in the environment BRDF (Karis 2013) over (n.v, roughness).
 @group(GROUP_FRAME) @binding(5) var dfg_table: texture_2d<f32>;
+
+// Small bright parts of the environment, in its own frame.
+@group(GROUP_FRAME) @binding(9) var<uniform> emitters: Emitters;
 
 // A direction of the world in the frame that the maps and coefficients are in.
 fn environment_direction(direction_world: vec3f) -> vec3f {

@@ -214,6 +214,7 @@ impl Renderer {
         recorder.end_pass("points")?;
         let scene = LitScene {
             geometry: &self.geometry,
+            materials: &self.materials,
             gbuffer: gbuffer_group,
             points: &target.points,
             is_first_band: is_first,

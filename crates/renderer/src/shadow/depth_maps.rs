@@ -3,7 +3,7 @@
 use gnomon_shaders::layout;
 
 use super::technique::FrameInputs;
-use crate::bindings::{Binding, array_view};
+use crate::bindings::{Binding, Groups, Shader, array_view};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -64,54 +64,75 @@ pub(crate) struct ShadowMapPass {
     projected: wgpu::RenderPipeline,
     /// Linear depth under a perspective.
     linear: wgpu::RenderPipeline,
+    /// The same of surfaces with holes.
+    masked_projected: wgpu::RenderPipeline,
+    masked_linear: wgpu::RenderPipeline,
 }
 
 impl ShadowMapPass {
-    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+    /// Surfaces with holes take the bind groups of `materials`.
+    pub fn new(gpu: &Gpu, materials: &wgpu::BindGroupLayout) -> Result<Self, RenderError> {
         let bindings = gpu.layout(
             "shadow map",
             wgpu::ShaderStages::VERTEX,
             &[(0, Binding::Storage { read_only: true })],
         );
-        let shader = gpu.shader("shadow_map", &[])?;
-        let pipeline = |vertex, fragment: Option<wgpu::FragmentState<'_>>| {
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("shadow map"),
-                layout: Some(&gpu.pipeline_layout(&[(layout::GROUP_PASS, &bindings)])),
-                vertex: wgpu::VertexState {
-                    module: &shader.module,
-                    entry_point: Some(vertex),
-                    compilation_options: Default::default(),
-                    buffers: &[Some(wgpu::VertexBufferLayout {
-                        array_stride: 16,
-                        step_mode: wgpu::VertexStepMode::Vertex,
-                        attributes: &wgpu::vertex_attr_array![0 => Float32x4],
-                    })],
-                },
-                // No culling: open meshes cast shadows from both sides.
-                primitive: Default::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Less),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment,
-                multiview_mask: None,
-                cache: None,
-            })
+        let lights = (layout::GROUP_PASS, &bindings);
+        let whole = gpu.shader("shadow_map", &[])?;
+        let masked = gpu.shader("shadow_map_masked", &[])?;
+        let pipeline =
+            |shader: &Shader, vertex, fragment: Option<&str>, groups: Groups<'_>, buffers: &[_]| {
+                gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some("shadow map"),
+                    layout: Some(&gpu.pipeline_layout(groups)),
+                    vertex: wgpu::VertexState {
+                        module: &shader.module,
+                        entry_point: Some(vertex),
+                        compilation_options: Default::default(),
+                        buffers,
+                    },
+                    // No culling: open meshes cast shadows from both sides.
+                    primitive: Default::default(),
+                    depth_stencil: Some(wgpu::DepthStencilState {
+                        format: DEPTH_FORMAT,
+                        depth_write_enabled: Some(true),
+                        depth_compare: Some(wgpu::CompareFunction::Less),
+                        stencil: Default::default(),
+                        bias: Default::default(),
+                    }),
+                    multisample: Default::default(),
+                    fragment: fragment.map(|entry_point| wgpu::FragmentState {
+                        module: &shader.module,
+                        entry_point: Some(entry_point),
+                        compilation_options: Default::default(),
+                        targets: &[],
+                    }),
+                    multiview_mask: None,
+                    cache: None,
+                })
+            };
+        let buffer = |array_stride, attributes| {
+            let step_mode = wgpu::VertexStepMode::Vertex;
+            Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
         };
-        let linear_depth = wgpu::FragmentState {
-            module: &shader.module,
-            entry_point: Some("linear_depth"),
-            compilation_options: Default::default(),
-            targets: &[],
+        let position = wgpu::vertex_attr_array![0 => Float32x4];
+        let uvs_and_color = wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4];
+        let (positions, attributes) = (buffer(16, &position), buffer(32, &uvs_and_color));
+        let of_whole = |vertex, fragment| {
+            pipeline(&whole, vertex, fragment, &[lights], std::slice::from_ref(&positions))
         };
-        let linear = pipeline("linear_shadow_map", Some(linear_depth));
-        let projected = pipeline("shadow_map", None);
-        Ok(Self { layout: bindings, projected, linear })
+        let of_masked = |fragment| {
+            let groups = [(layout::GROUP_SURFACE, materials), lights];
+            let buffers = [positions.clone(), attributes.clone()];
+            pipeline(&masked, "masked_shadow_map", Some(fragment), &groups, &buffers)
+        };
+        Ok(Self {
+            projected: of_whole("shadow_map", None),
+            linear: of_whole("linear_shadow_map", Some("linear_depth")),
+            masked_projected: of_masked("masked_depth"),
+            masked_linear: of_masked("masked_linear_depth"),
+            layout: bindings,
+        })
     }
 
     /// Bind group of the lights of one batch, a buffer of [`layout::Light`].
@@ -136,18 +157,32 @@ impl ShadowMapPass {
                 }),
                 ..Default::default()
             });
-            if geometry.index_count > 0 {
-                let is_orthographic = light.kind == layout::KIND_DISTANT;
-                pass.set_pipeline(match maps.depth {
-                    MapDepth::Linear if !is_orthographic => &self.linear,
-                    _ => &self.projected,
-                });
-                pass.set_bind_group(layout::GROUP_PASS, lights.group, &[]);
-                pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
-                pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-                for indices in &casters.indices {
-                    pass.draw_indexed(indices.clone(), 0, number..number + 1);
-                }
+            if geometry.index_count == 0 {
+                continue;
+            }
+            let is_orthographic = light.kind == layout::KIND_DISTANT;
+            let (whole_pipeline, masked_pipeline) = match maps.depth {
+                MapDepth::Linear if !is_orthographic => (&self.linear, &self.masked_linear),
+                _ => (&self.projected, &self.masked_projected),
+            };
+            let (masked, whole) = geometry.split_masked(&casters.indices);
+            pass.set_pipeline(whole_pipeline);
+            pass.set_bind_group(layout::GROUP_PASS, lights.group, &[]);
+            pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
+            pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+            for indices in whole {
+                pass.draw_indexed(indices, 0, number..number + 1);
+            }
+            if masked.is_empty() {
+                continue;
+            }
+            pass.set_pipeline(masked_pipeline);
+            pass.set_vertex_buffer(1, geometry.static_attributes.slice(..));
+            for range in masked {
+                let material = frame.materials.number(range.material);
+                pass.set_bind_group(layout::GROUP_SURFACE, frame.materials.bind_group(material), &[]);
+                let instance = material as u32 * layout::MAX_BATCH_LIGHTS + number;
+                pass.draw_indexed(range.indices, 0, instance..instance + 1);
             }
         }
     }

@@ -9,6 +9,7 @@ use super::ShadowSettings;
 use super::depth_maps::{DepthMaps, MapDepth, ShadowMapPass};
 use crate::casters::DrawnCasters;
 use crate::geometry::Geometry;
+use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::shading_points::ShadingPoints;
 use crate::{Gpu, RenderError};
@@ -96,6 +97,8 @@ pub(crate) struct SharedPasses {
 pub(crate) struct FrameInputs<'a> {
     /// The scene in world space: positions, indices, boxes.
     pub geometry: &'a Geometry,
+    /// Its materials.
+    pub materials: &'a Materials,
     /// Bind group 0 of passes over points: view, lights, batch.
     pub frame: &'a wgpu::BindGroup,
     /// Bind group 1: what the camera sees.

@@ -50,6 +50,8 @@ super::constants! {
 
     /// Most lobes of the radiance cache.
     pub const MAX_CACHED_LOBES: u32 = 16;
+    /// Most emitters of an environment.
+    pub const MAX_EMITTERS: u32 = 32;
 }
 
 super::structs! {
@@ -135,6 +137,24 @@ super::structs! {
         pub end_light: u32,
         /// FLAG constants.
         pub flags: u32,
+    }
+
+    /// A small bright part of an environment, in its own frame: a disk of uniform radiance.
+    pub struct Emitter {
+        /// Unit vector to its middle.
+        pub direction: Vec3,
+        /// [rad].
+        pub angular_radius: f32,
+        /// Such that a surface that faces the disk gets the irradiance of the texels that it stands for.
+        pub radiance: Vec3,
+    }
+
+    /// All of them.
+    pub struct Emitters {
+        /// How many there are.
+        pub count: u32,
+        /// The first of these.
+        pub emitters: [Emitter; MAX_EMITTERS as usize],
     }
 
     /// Where light is summed. Only passes on the GPU write these.
