@@ -56,7 +56,10 @@ impl FrameLight<'_> {
             _ if technique.depth_maps().is_none() => 1,
             Self::Distant { light, .. } => {
                 let share = self.flux() / total_flux.max(f32::MIN_POSITIVE);
-                let sizes = [settings.shadow_resolution, settings.sharp_shadow_resolution];
+                let usual = settings.shadow_resolution;
+                let sharpest =
+                    if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
+                let sizes = [usual, sharpest];
                 settings.shadow_sizing.resolution(footprint(light), share, sizes)
             }
             Self::Near(_) => settings.shadow_resolution,

@@ -47,6 +47,10 @@ impl ShadowTechnique for Buffered {
         self.0.depth_maps()
     }
 
+    fn has_sharp_maps(&self) -> bool {
+        self.0.has_sharp_maps()
+    }
+
     fn draws_grounds(&self) -> bool {
         self.0.draws_grounds()
     }

@@ -60,6 +60,10 @@ impl ShadowTechnique for Moments {
         wgpu::Features::FLOAT32_FILTERABLE
     }
 
+    fn has_sharp_maps(&self) -> bool {
+        false
+    }
+
     fn depth_maps(&self) -> Option<MapDepth> {
         Some(MapDepth::Linear)
     }

@@ -29,6 +29,11 @@ pub(crate) trait ShadowTechnique: Sync {
     }
     /// What the lights' depth maps hold; `None` where it needs none. Only lights with maps differ in the size of them.
     fn depth_maps(&self) -> Option<MapDepth>;
+    /// Whether sharp lights have larger maps than the usual ones (`sharp_shadow_resolution`). Images that are filtered of a map take many
+    /// times its memory.
+    fn has_sharp_maps(&self) -> bool {
+        true
+    }
     /// Whether grounds cast shadows of lights of which they block nothing, too.
     fn draws_grounds(&self) -> bool {
         false

@@ -159,6 +159,10 @@ impl ShadowTechnique for Convolution {
         wgpu::Features::FLOAT32_FILTERABLE
     }
 
+    fn has_sharp_maps(&self) -> bool {
+        false
+    }
+
     fn depth_maps(&self) -> Option<MapDepth> {
         Some(MapDepth::Linear)
     }
