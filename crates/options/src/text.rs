@@ -101,11 +101,8 @@ fn row(spec: &OptionSpec, default: &OptionValue) -> String {
         (value, _) => format!("`{value}`"),
     };
     let mut key = format!("`{}`", spec.key);
-    let made = match spec.group.table {
-        "" => spec.key.replace('_', "-"),
-        table => format!("{table}-{}", spec.key.replace('_', "-")),
-    };
-    if spec.name() != made {
+    let path = format!("{}-{}", spec.group.table, spec.key).replace('_', "-");
+    if spec.name() != path.trim_start_matches('-') {
         let _ = write!(key, " (`--{}`)", spec.name());
     }
     if let Some(alias) = spec.alias {
