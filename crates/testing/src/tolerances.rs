@@ -90,6 +90,10 @@ pub const PREFILTERED_ENVIRONMENT: f64 = 0.25;
 /// Share by which the error of a picture may grow where lights are summed at a sixteenth of its samples.
 pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
 
+/// Relative RMSE of the shadow of a surface with holes against that of its remaining triangles: their maps lie differently, so that edges move
+/// by a part of a texel.
+pub const MASKED_SHADOW: f64 = 0.01;
+
 /// Relative RMSE between pictures whose shadow maps hold simpler meshes and all triangles.
 pub const SIMPLER_CASTERS: f64 = 0.004;
 
