@@ -12,9 +12,9 @@ const LEAST_RESOLUTION: u32 = 32;
 /// penumbrae are wider than the larger texels.
 const FOOTPRINT_AT_RESOLUTION: f32 = 0.15;
 
-/// A light that casts sharper shadows than that may have so many times the texels as it gives hundredths of all light: where it gives
-/// less, nobody sees how sharp they are.
-const SHARE_AT_RESOLUTION: f32 = 0.01;
+/// A light that casts sharper shadows than that may have so many times the texels along a side as it gives fiftieths of all light: of one
+/// that gives less nobody sees how sharp they are.
+const SHARE_AT_RESOLUTION: f32 = 0.02;
 
 choices! {
     /// How large the lights' shadow maps are.
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!([0.15, 0.3, 0.6, 1.2, 100.0].map(|f| resolution(f, 0.5, 256)), [256, 128, 64, 32, 32]);
         assert_eq!([0.07, 0.02, 0.0].map(|f| resolution(f, 0.5, 256)), [512, 2048, 2048]);
         assert_eq!(
-            [0.0, 0.01, 0.02, 0.04, 1.0].map(|s| resolution(0.0, s, 256)),
+            [0.0, 0.02, 0.04, 0.08, 1.0].map(|s| resolution(0.0, s, 256)),
             [256, 256, 512, 1024, 2048]
         );
         assert_eq!((resolution(100.0, 0.0, 16), resolution(0.0, 1.0, 4096)), (16, 4096));
