@@ -26,6 +26,12 @@ choices! {
     }
 }
 
+/// Whether a light with that [`crate::light_frame::footprint`] which gives a `share` of the environment's light casts shadows so sharp, and so
+/// much to be seen, that it deserves more texels and points than others.
+pub(crate) fn is_sharp(footprint: f32, share: f32) -> bool {
+    footprint < FOOTPRINT_AT_RESOLUTION && share > SHARE_AT_RESOLUTION
+}
+
 impl ShadowSizing {
     /// Texels along the side of the map of a light with [`crate::light_frame::footprint`] `footprint` that gives a `share` of the
     /// environment's light. `usual` and `sharpest` are those of the settings.
@@ -43,10 +49,10 @@ impl ShadowSizing {
 /// What decides which lights share batches: those with the same needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct LightNeeds {
+    /// The list of shading points that it is summed at, by its place among those of the frame. Lists are filled one after the other.
+    pub points: usize,
     /// Texels along the side of its map.
     pub resolution: u32,
-    /// The list of shading points that it is summed at, by its place among those of the frame.
-    pub points: usize,
 }
 
 /// Lights with the same needs.
@@ -118,7 +124,7 @@ mod tests {
 
     fn planned(resolutions: &[u32], bytes: u64, lights_per_class: u32) -> Result<Vec<Class>, RenderError> {
         let needs: Vec<_> =
-            resolutions.iter().map(|&resolution| LightNeeds { resolution, points: 0 }).collect();
+            resolutions.iter().map(|&resolution| LightNeeds { points: 0, resolution }).collect();
         let bytes_per_light = |needs: LightNeeds| u64::from(needs.resolution);
         let most_lights = |_| lights_per_class;
         let budget =
@@ -161,14 +167,14 @@ mod tests {
             most_lights: &|_| 16,
             adapter: "test",
         };
-        let needs = [64, 128].map(|resolution| LightNeeds { resolution, points: 0 });
+        let needs = [64, 128].map(|resolution| LightNeeds { points: 0, resolution });
         let error = plan(&needs, &budget).unwrap_err().to_string();
         assert!(error.contains("192 MiB") && error.contains("191 MiB"), "{error}");
     }
 
     #[test]
     fn lights_summed_at_other_points_are_in_other_batches() {
-        let needs = [0, 1, 0, 1].map(|points| LightNeeds { resolution: 64, points });
+        let needs = [0, 1, 0, 1].map(|points| LightNeeds { points, resolution: 64 });
         let budget = Budget {
             bytes_per_light: &|_| 1,
             bytes: 100,

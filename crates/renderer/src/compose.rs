@@ -12,7 +12,8 @@ pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgb
 /// Makes radiance of the sums of light, with one compositing rule.
 pub(crate) struct ComposePass {
     environment_layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    smooth: wgpu::ComputePipeline,
+    edges: wgpu::ComputePipeline,
 }
 
 impl ComposePass {
@@ -34,8 +35,8 @@ impl ComposePass {
             (layout::GROUP_SURFACE, gbuffer_layout),
             (layout::GROUP_PASS, sums_layout),
         ];
-        let pipeline = gpu.compute_pipeline(&module, "compose", &groups);
-        Ok(Self { environment_layout, pipeline })
+        let pipeline = |entry| gpu.compute_pipeline(&module, entry, &groups);
+        Ok(Self { smooth: pipeline("compose_smooth"), edges: pipeline("compose_edges"), environment_layout })
     }
 
     /// Bind group of the frame.
@@ -62,15 +63,19 @@ impl ComposePass {
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 
+    /// A picture of `width` x `height` pixels; `work` is the account of shading points.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         groups: [(u32, &wgpu::BindGroup); 3],
         [width, height]: [u32; 2],
+        work: &wgpu::Buffer,
     ) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.smooth);
         set_groups(&mut pass, &groups);
         pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
+        pass.set_pipeline(&self.edges);
+        pass.dispatch_workgroups_indirect(work, 4 * u64::from(layout::WORK_EDGE_DISPATCH));
     }
 }

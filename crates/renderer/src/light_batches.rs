@@ -11,7 +11,7 @@ use crate::light_uniforms::{FittedLights, FrameLight, LightFitting, frame_lights
 use crate::lighting::Lighting;
 use crate::materials::Materials;
 use crate::recorder::Recorder;
-use crate::shading_points::ShadingPoints;
+use crate::shading_points::{PointStage, ShadingPoints};
 use crate::shadow::depth_maps::DepthMaps;
 use crate::shadow::technique::{
     BatchSize, FrameInputs, FrameLights, ShadowContext, ShadowResources, ShadowTechnique, SharedPasses,
@@ -23,8 +23,8 @@ pub(crate) struct LightBatches {
     classes: Vec<ClassShadows>,
     batches: Vec<Batch>,
     bytes: u64,
-    /// Room on each list of shading points that was planned for; `None` where it makes no difference.
-    points: Option<Vec<u64>>,
+    /// Room for shading points that was planned for; `None` where it makes no difference.
+    points: Option<u64>,
     fitting: LightFitting,
     sum_scales: Vec3,
     /// Whether lights, scene or pose are others than those that batches are fitted to.
@@ -69,14 +69,13 @@ pub(crate) struct LitScene<'a> {
     pub materials: &'a Materials,
     /// Bind group of what the camera sees.
     pub gbuffer: &'a wgpu::BindGroup,
-    /// Lists of shading points.
-    pub points: &'a [ShadingPoints],
+    pub points: &'a ShadingPoints,
     /// Of the bands of a picture.
     pub is_first_band: bool,
 }
 
 impl LightBatches {
-    /// Batches for the lights of `lighting` and the scene, summed at lists of points with so much room.
+    /// Batches for the lights of `lighting` and the scene, summed at points with so much room.
     ///
     /// # Errors
     /// [`RenderError::OverBudget`] or [`RenderError::OverLimit`] where not even one light fits, [`RenderError::OutOfRange`] for a setting of the
@@ -85,7 +84,7 @@ impl LightBatches {
         context: &BatchContext<'_>,
         lighting: &Lighting,
         near_lights: &[PlacedLight],
-        points: &[u64],
+        points: u64,
     ) -> Result<Self, RenderError> {
         let BatchContext { gpu, shared, technique, settings, view } = *context;
         let shadow_settings = &settings.shadow_settings;
@@ -94,13 +93,12 @@ impl LightBatches {
         let total_flux = all.iter().map(FrameLight::flux).sum();
         let needs: Vec<LightNeeds> =
             all.iter().map(|light| light.needs(technique, settings, total_flux)).collect();
-        let room = |needs: LightNeeds| points.get(needs.points).copied().unwrap_or(0);
         let memory = |needs: LightNeeds| technique.memory(shadow_settings, needs.resolution);
-        let bytes_per_light = |needs| memory(needs).per_light + memory(needs).per_pair * room(needs);
+        let bytes_per_light = |needs| memory(needs).per_light + memory(needs).per_pair * points;
         let most_lights = |needs| {
             let layers = technique.layers_per_light(shadow_settings);
             let by_layers = gpu.max_layers().checked_div(layers).unwrap_or(u32::MAX);
-            let bytes = memory(needs).per_pair * room(needs);
+            let bytes = memory(needs).per_pair * points;
             let by_bytes = gpu.largest_storage().checked_div(bytes).unwrap_or(u64::MAX);
             by_layers.min(layout::MAX_BATCH_LIGHTS).min(by_bytes.try_into().unwrap_or(u32::MAX))
         };
@@ -113,10 +111,10 @@ impl LightBatches {
                 adapter: &gpu.adapter().name,
             },
         )?;
-        if planned.is_empty() {
-            // Without lights there is still one pass, which clears the sums.
-            let needs = LightNeeds { resolution: 1, points: 0 };
-            planned.push(Class { needs, capacity: 0, batches: vec![Vec::new()] });
+        if planned.first().is_none_or(|class| class.needs.points > 0) {
+            // Without lights on the first list there is still one pass, which clears its sums.
+            let needs = LightNeeds { points: 0, resolution: 1 };
+            planned.insert(0, Class { needs, capacity: 0, batches: vec![Vec::new()] });
         }
 
         let bytes =
@@ -126,7 +124,7 @@ impl LightBatches {
         let mut batches: Vec<Batch> = Vec::new();
         for (index, class) in planned.into_iter().enumerate() {
             let LightNeeds { resolution, .. } = class.needs;
-            let size = BatchSize { lights: class.capacity, resolution, points: room(class.needs) };
+            let size = BatchSize { lights: class.capacity, resolution, points };
             let shadows =
                 technique.resources(&ShadowContext { gpu, settings: shadow_settings, shared, size })?;
             classes.push(ClassShadows { needs: class.needs, shadows });
@@ -139,7 +137,7 @@ impl LightBatches {
             classes,
             batches,
             bytes,
-            points: by_pair.then(|| points.to_vec()),
+            points: by_pair.then_some(points),
             fitting: LightFitting::new(technique, settings),
             sum_scales: Vec3::ONE,
             is_stale: true,
@@ -152,12 +150,9 @@ impl LightBatches {
         self.sum_scales
     }
 
-    /// Whether the plan holds for lists of points with so much room.
-    pub fn is_planned_for(&self, points: &[u64]) -> bool {
-        let fits = |(planned, wanted): (&u64, &u64)| (*wanted..=2 * *wanted).contains(planned);
-        let planned =
-            |planned: &Vec<u64>| planned.len() == points.len() && planned.iter().zip(points).all(fits);
-        self.points.as_ref().is_none_or(planned)
+    /// Whether the plan holds for so much room for points.
+    pub fn is_planned_for(&self, points: u64) -> bool {
+        self.points.is_none_or(|planned| (points..=2 * points).contains(&planned))
     }
 
     /// GPU memory of what the technique keeps, in bytes.
@@ -236,18 +231,19 @@ impl LightBatches {
         self.sum_scales = sum_scales(self.batches.iter().flat_map(|batch| &batch.fitted.uniforms));
     }
 
-    /// Makes what visibility needs, and sums light, batch after batch.
+    /// Makes what visibility needs, and sums light at the points of a stage, batch after batch.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         light: &LightPass,
         scene: LitScene<'_>,
+        stage: &PointStage,
     ) -> Result<(), RenderError> {
-        for batch in &self.batches {
-            let Some(frame) = self.frame(batch, scene) else { continue };
+        for batch in self.batches.iter().filter(|batch| self.classes[batch.class].needs.points == stage.list) {
+            let frame = self.frame(batch, scene, stage);
             let shadows = &self.classes[batch.class].shadows;
             shadows.prepare(recorder, &frame)?;
-            light.encode(recorder, [frame.frame, frame.gbuffer, shadows.bind_group()], frame.points);
+            light.encode(recorder, [frame.frame, frame.gbuffer, shadows.bind_group()], scene.points, stage);
             recorder.end_pass("light")?;
         }
         Ok(())
@@ -260,29 +256,30 @@ impl LightBatches {
         scene: LitScene<'_>,
         batch: usize,
     ) -> Result<(), RenderError> {
-        let batch = self.batches.get(batch);
-        let Some((batch, frame)) = batch.and_then(|batch| Some((batch, self.frame(batch, scene)?))) else {
+        let (Some(batch), Some(stage)) = (self.batches.get(batch), scene.points.stages.first()) else {
             return Ok(());
         };
-        self.classes[batch.class].shadows.prepare(recorder, &frame)
+        self.classes[batch.class].shadows.prepare(recorder, &self.frame(batch, scene, stage))
     }
 
     /// The frame as the technique sees it for a batch.
-    fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>) -> Option<FrameInputs<'a>> {
+    fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>, stage: &'a PointStage) -> FrameInputs<'a> {
         let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
-        Some(FrameInputs {
+        let is_first_call = scene.is_first_band && stage.lists_tiles();
+        FrameInputs {
             geometry: scene.geometry,
             materials: scene.materials,
             frame: &batch.frame_group,
             gbuffer: scene.gbuffer,
-            points: scene.points.get(self.classes[batch.class].needs.points)?,
+            points: scene.points,
+            stage,
             lights: FrameLights {
                 uniforms: &batch.fitted.uniforms,
                 casters: &batch.fitted.casters,
                 group: &batch.lights_group,
             },
-            same_lights: !scene.is_first_band && !takes_turns && !self.is_refitted,
-        })
+            same_lights: !(takes_turns || is_first_call || stage.lists_tiles() && self.is_refitted),
+        }
     }
 }
 

@@ -2,7 +2,7 @@ use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, Groups, set_groups};
 use crate::recorder::Recorder;
-use crate::shading_points::ShadingPoints;
+use crate::shading_points::{PointStage, ShadingPoints};
 use crate::{Gpu, RenderError};
 
 /// Layout of the frame as the pass that sums light has it.
@@ -40,6 +40,7 @@ impl LightPass {
         recorder: &mut Recorder<'_>,
         [frame, surface, shadow]: [&wgpu::BindGroup; 3],
         points: &ShadingPoints,
+        stage: &PointStage,
     ) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
@@ -47,9 +48,9 @@ impl LightPass {
             (layout::GROUP_FRAME, frame),
             (layout::GROUP_SURFACE, surface),
             (layout::GROUP_SHADOW, shadow),
-            (layout::GROUP_PASS, &points.light_group),
+            (layout::GROUP_PASS, &stage.light_group),
         ];
         set_groups(&mut pass, &groups);
-        pass.dispatch_workgroups_indirect(&points.dispatch, 0);
+        pass.dispatch_workgroups_indirect(&points.work, stage.dispatch_offset);
     }
 }

@@ -9,11 +9,12 @@ use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::TechniqueSettings;
-use crate::batch_plan::LightNeeds;
+use crate::batch_plan::{LightNeeds, is_sharp};
 use crate::casters::{Casters, DrawnCasters};
 use crate::geometry::Geometry;
 use crate::light_frame::{footprint, hidden_deviation, light_uniform};
 use crate::near_light_frame::near_light_uniform;
+use crate::shading_points::samplings;
 use crate::shadow::technique::ShadowTechnique;
 
 /// A light of the frame: the environment's, its probes, the scene's own.
@@ -52,20 +53,20 @@ impl FrameLight<'_> {
         settings: &TechniqueSettings,
         total_flux: f32,
     ) -> LightNeeds {
-        let resolution = match self {
-            _ if technique.depth_maps().is_none() => 1,
+        let usual = settings.shadow_resolution;
+        let (resolution, is_sharp) = match self {
             Self::Distant { light, .. } => {
-                let share = self.flux() / total_flux.max(f32::MIN_POSITIVE);
-                let usual = settings.shadow_resolution;
-                let sharpest =
+                let most =
                     if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
-                let sizes = [usual, sharpest];
-                settings.shadow_sizing.resolution(footprint(light), share, sizes)
+                let (footprint, share) = (footprint(light), self.flux() / total_flux.max(f32::MIN_POSITIVE));
+                let resolution = settings.shadow_sizing.resolution(footprint, share, [usual, most]);
+                (resolution, is_sharp(footprint, share))
             }
-            Self::Near(_) => settings.shadow_resolution,
+            Self::Near(_) => (usual, true),
         };
-        // All lights are summed at the same points.
-        LightNeeds { resolution, points: 0 }
+        let resolution = if technique.depth_maps().is_some() { resolution } else { 1 };
+        // Sharp lights are summed at the last list.
+        LightNeeds { points: if is_sharp { samplings(settings).len() - 1 } else { 0 }, resolution }
     }
 }
 

@@ -74,10 +74,11 @@ struct Passes {
 
 /// What depends on the picture's size.
 struct Target {
-    size: [u32; 2],
     gbuffer: GBuffer,
-    /// Every list of points that lights may be summed at: one for all of them.
-    points: [ShadingPoints; 1],
+    /// Where lights are summed.
+    points: ShadingPoints,
+    /// Values along a pixel's side of what is composed: 1, or the samples of a debug view.
+    composed: u32,
     output: Output,
 }
 
@@ -184,11 +185,14 @@ impl Renderer {
     /// [`RenderError::Option`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
     pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
         let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
+        let techniques = &self.settings().techniques;
+        let sharp = (shadow_sampling * techniques.sharp_shadow_sampling / techniques.shadow_sampling).clamp(1, 32);
         let chosen = Chosen::new(
             &self.gpu,
             self.settings().clone().with(|s| {
                 s.techniques.shadow_resolution = shadow_resolution;
                 s.techniques.shadow_sampling = shadow_sampling;
+                s.techniques.sharp_shadow_sampling = sharp;
             }),
         )?;
         let scopes = self.gpu.catch_errors();
@@ -198,7 +202,6 @@ impl Renderer {
         let ambient = chosen.ambient.lights(set, chosen.settings.lighting.ambient_cells)?;
         let lighting = lit.lighting.clone().with_lights(&self.gpu, ambient);
         let lit = self.lit(&chosen, (&self.state.compose, &self.state.cache), lighting, &self.near_lights)?;
-        self.keep_target_for(&chosen);
         self.state.chosen = chosen;
         self.take_lit(lit);
         scopes.finish()

@@ -82,10 +82,15 @@ settings! {
         /// Samples of a lobe for every texel of the radiance cache.
         radiance_cache_samples: u32 = 128, whole(1, 4096).under(COMPOSITING);
         /// Samples along each side of a pixel; their mean is the pixel.
-        supersample: u32 = 2, whole(1, 8).under(SAMPLING);
+        supersample: u32 = 4, whole(1, 8).under(SAMPLING);
         /// Samples along each side of a tile over which lights are summed once. Samples unlike the tiles around them are lit by
         /// themselves, so that edges stay sharp (DeCoro and Rusinkiewicz 2008, section 3.2).
-        shadow_sampling: u32 = 2, power_of_two(1, 32).under(SAMPLING);
+        shadow_sampling: u32 = 8, power_of_two(1, 32).under(SAMPLING);
+        /// The same for suns, lamps and the scene's own lights, whose shadows are sharper: those that may have larger maps.
+        sharp_shadow_sampling: u32 = 4, power_of_two(1, 32).under(SAMPLING);
+        /// Where the share of light that arrives changes by more from one tile to the next, light is summed at each pixel, that of sharp
+        /// lights at each sample; 1 leaves that out.
+        shadow_contrast: f32 = 0.15, number(0.0, 1.0).under(SAMPLING);
     } with {
         /// Parameters of the techniques.
         shadow_settings: ShadowSettings;

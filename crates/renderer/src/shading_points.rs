@@ -3,29 +3,48 @@ use gnomon_shaders::layout;
 use crate::bindings::{Binding, D2, set_groups};
 use crate::compose::RADIANCE_FORMAT;
 use crate::recorder::Recorder;
-use crate::{Gpu, RenderError};
+use crate::{Gpu, RenderError, TechniqueSettings};
 
 /// Samples of the picture that lights are summed at, and the sums: the shadow buffer (DeCoro and Rusinkiewicz 2008, section 3.2). One
-/// point stands for a tile of `sampling` x `sampling` samples; samples unlike the points around them have their own.
+/// point stands for a tile of samples; samples unlike the points around them have their own. Points are listed in stages.
 pub(crate) struct ShadingPoints {
-    /// Bind group of the passes that list points.
-    list_group: wgpu::BindGroup,
-    /// Own bind group of the pass that sums light.
-    pub light_group: wgpu::BindGroup,
+    pub stages: Vec<PointStage>,
     /// Own bind group of the passes that make a picture of the sums.
     pub compose_group: wgpu::BindGroup,
-    /// Arguments of an indirect dispatch over all points.
-    pub dispatch: wgpu::Buffer,
+    /// Account of points: arguments of indirect dispatches, edge pixels.
+    pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
     pub list: wgpu::Buffer,
+    /// Arguments of a dispatch over edge pixels that passes may take which write to `work`.
+    edge_dispatch: wgpu::Buffer,
     /// How many there is room for.
     pub capacity: u64,
-    /// Which sums are kept.
-    pub planes: SumPlanes,
-    count: wgpu::Buffer,
-    /// Of the target.
-    pub sample_size: [u32; 2],
-    sampling: u32,
+    /// What it was made for.
+    pub plan: PointPlan,
+}
+
+/// Points that are listed at a time; light is summed there before the next stage.
+pub(crate) struct PointStage {
+    /// Place of the list they belong to.
+    pub list: usize,
+    /// A [`layout::PointStage`].
+    pub uniform: wgpu::Buffer,
+    /// Own bind group of the pass that sums light.
+    pub light_group: wgpu::BindGroup,
+    /// Place in [`ShadingPoints::work`] of the arguments of a dispatch over these points.
+    pub dispatch_offset: u64,
+    /// Bind group of the passes that list points.
+    list_group: wgpu::BindGroup,
+    kind: StageKind,
+}
+
+/// What a stage lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum StageKind {
+    /// A point of every tile, and of samples that no tile stands for.
+    Tiles,
+    /// Points where visibility changes between those before.
+    Lit,
 }
 
 /// Lists the points of a frame.
@@ -33,9 +52,14 @@ pub(crate) struct ShadingPointsPass {
     list_layout: wgpu::BindGroupLayout,
     pub light_layout: wgpu::BindGroupLayout,
     pub compose_layout: wgpu::BindGroupLayout,
+    find_edges: wgpu::ComputePipeline,
+    edge_dispatch: wgpu::ComputePipeline,
     choose: wgpu::ComputePipeline,
     refine: wgpu::ComputePipeline,
-    dispatch_size: wgpu::ComputePipeline,
+    refine_edges: wgpu::ComputePipeline,
+    refine_lit: wgpu::ComputePipeline,
+    refine_lit_edges: wgpu::ComputePipeline,
+    end_stage: wgpu::ComputePipeline,
 }
 
 /// Bytes of what is kept for every shading point: the point, and what light gives it.
@@ -43,6 +67,11 @@ const POINT_BYTES: u64 = 20;
 const DIFFUSE_BYTES: u64 = 16;
 const SPECULAR_BYTES: u64 = 12;
 const NEAR_BYTES: u64 = 12;
+
+/// Samples for which there is room for one point beside those of tiles, in large pictures; smaller ones have more edges for their size.
+const SAMPLES_OF_POINT: u64 = 10;
+/// So many points have room in any case, up to one for every second sample.
+const LEAST_POINTS: u64 = 1 << 20;
 
 /// What a scene needs beside sums of diffuse light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,21 +82,126 @@ pub(crate) struct SumPlanes {
     pub near: bool,
 }
 
-/// Bytes of the largest buffer for a picture of `sample_size` samples.
-pub(crate) fn largest_buffer(sample_size: [u32; 2], sampling: u32) -> u64 {
-    capacity(sample_size, sampling) * POINT_BYTES.max(DIFFUSE_BYTES)
+/// The lists of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PointPlan {
+    pub sample_size: [u32; 2],
+    /// Samples along a pixel's side.
+    pub supersample: u32,
+    /// Samples along the side of a tile of each list, the coarsest first.
+    pub samplings: Vec<u32>,
+    /// Least change of visibility between neighbouring points for which there are more.
+    pub contrast: f32,
+    pub planes: SumPlanes,
 }
 
-/// Room for points: all samples where each has its own, else every tile's and those of every second sample.
-fn capacity(sample_size: [u32; 2], sampling: u32) -> u64 {
-    let [width, height] = sample_size.map(u64::from);
-    let side = u64::from(sampling);
-    let room = match sampling {
-        1 => width * height,
-        _ => width.div_ceil(side) * height.div_ceil(side) + (width * height).div_ceil(2),
-    };
-    // Buffers have a least size: so many points fill it.
-    room.max(16)
+/// Samples along the side of a tile of each list that lights are summed at: wide lights at the first, sharp ones at the last.
+pub(crate) fn samplings(techniques: &TechniqueSettings) -> Vec<u32> {
+    let (wide, sharp) = (techniques.shadow_sampling, techniques.sharp_shadow_sampling);
+    if sharp < wide { vec![wide, sharp] } else { vec![wide] }
+}
+
+impl PointStage {
+    /// Whether these are the first points of their list.
+    pub fn lists_tiles(&self) -> bool {
+        self.kind == StageKind::Tiles
+    }
+}
+
+impl PointPlan {
+    pub fn new(techniques: &TechniqueSettings, size: [u32; 2], planes: SumPlanes) -> Self {
+        Self {
+            sample_size: size.map(|side| side * techniques.supersample),
+            supersample: techniques.supersample,
+            samplings: samplings(techniques),
+            contrast: techniques.shadow_contrast,
+            planes,
+        }
+    }
+
+    fn samples(&self) -> u64 {
+        self.sample_size.map(u64::from).into_iter().product()
+    }
+
+    fn pixels(&self) -> u64 {
+        self.samples() / u64::from(self.supersample).pow(2)
+    }
+
+    fn tiles(&self, list: usize) -> u64 {
+        self.sample_size.map(|side| u64::from(side.div_ceil(self.samplings[list]))).into_iter().product()
+    }
+
+    fn all_tiles(&self) -> u64 {
+        (0..self.samplings.len()).map(|list| self.tiles(list)).sum()
+    }
+
+    /// Room for points: those of tiles, and of samples that no tile stands for.
+    fn capacity(&self) -> u64 {
+        let own = match self.samplings[..] {
+            [1] => 0,
+            _ => (self.samples() / SAMPLES_OF_POINT).max(LEAST_POINTS).min(self.samples().div_ceil(2)),
+        };
+        // Buffers have a least size: so many points fill it.
+        (self.all_tiles() + own).max(16)
+    }
+
+    /// Whether a list has points beside those of tiles.
+    fn has_own_points(&self) -> bool {
+        self.samplings[..] != [1]
+    }
+
+    /// Bytes of the largest buffer.
+    pub fn largest_buffer(&self) -> u64 {
+        let points = self.capacity() * POINT_BYTES.max(DIFFUSE_BYTES);
+        let own = if self.has_own_points() { 4 * self.samples() } else { 4 };
+        points.max(own).max(self.work_bytes())
+    }
+
+    fn work_bytes(&self) -> u64 {
+        4 * (u64::from(layout::WORK_PIXELS) + 2 * self.pixels())
+    }
+
+    /// The lists as shaders see them.
+    pub fn lists(&self) -> [layout::PointList; 2] {
+        std::array::from_fn(|list| match self.samplings.get(list) {
+            Some(&sampling) => layout::PointList {
+                sampling,
+                first_tile: (0..list).map(|before| self.tiles(before)).sum::<u64>() as u32,
+                first_stage: 2 * list as u32,
+                reserved: 0,
+            },
+            None => layout::PointList::default(),
+        })
+    }
+
+    /// Every stage: first the tiles of a list, then what their light asks for.
+    fn stages(&self) -> impl Iterator<Item = (StageKind, layout::PointStage)> + '_ {
+        (0..self.samplings.len()).flat_map(move |list| {
+            [StageKind::Tiles, StageKind::Lit].into_iter().enumerate().map(move |(i, kind)| {
+                let is_coarse = list + 1 < self.samplings.len();
+                let stage = layout::PointStage {
+                    list: list as u32,
+                    stage: (2 * list + i) as u32,
+                    block: self.block(kind, is_coarse),
+                    contrast: self.contrast,
+                };
+                (kind, stage)
+            })
+        })
+    }
+
+    /// Samples along the side of a block of which one may stand for the others; a divisor of a pixel's. In the last list, where sharp
+    /// lights are summed, blocks are smaller.
+    fn block(&self, kind: StageKind, is_coarse: bool) -> u32 {
+        let side = self.supersample;
+        let most = match (kind, is_coarse) {
+            (StageKind::Tiles, true) => 4,
+            (StageKind::Lit, true) => side,
+            (StageKind::Tiles, false) => (side / 2).clamp(1, 2),
+            (StageKind::Lit, false) => 1,
+        };
+        (1..=most).rev().find(|block| side.is_multiple_of(*block)).unwrap_or(1)
+    }
 }
 
 impl ShadingPointsPass {
@@ -82,7 +216,9 @@ impl ShadingPointsPass {
             let bindings: Vec<_> = (0..).zip(bindings.iter().copied()).collect();
             gpu.layout(label, wgpu::ShaderStages::COMPUTE, &bindings)
         };
-        let list_layout = numbered("shading points", &[written; 5]);
+        let mut listed = vec![written; 7];
+        listed.push(Binding::Uniform);
+        let list_layout = numbered("shading points", &listed);
         let module = gpu.shader("shading_points", &[])?;
         let picture = Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 };
         let groups = [
@@ -90,33 +226,34 @@ impl ShadingPointsPass {
             (layout::GROUP_SURFACE, gbuffer_layout),
             (layout::GROUP_PASS, &list_layout),
         ];
+        let pipeline = |entry| gpu.compute_pipeline(&module, entry, &groups);
         Ok(Self {
-            light_layout: numbered("sums of light", &[read, read, written, written, written]),
-            compose_layout: numbered("sums to compose", &[read, read, read, read, read, read, picture]),
-            choose: gpu.compute_pipeline(&module, "choose", &groups),
-            refine: gpu.compute_pipeline(&module, "refine", &groups),
-            dispatch_size: gpu.compute_pipeline(&module, "dispatch_size", &groups),
+            light_layout: numbered("sums of light", &[read, read, written, written, written, Binding::Uniform]),
+            compose_layout: numbered("sums to compose", &[read, read, read, read, read, read, read, picture]),
+            find_edges: pipeline("find_edges"),
+            edge_dispatch: pipeline("edge_dispatch"),
+            choose: pipeline("choose"),
+            refine: pipeline("refine"),
+            refine_edges: pipeline("refine_edges"),
+            refine_lit: pipeline("refine_lit"),
+            refine_lit_edges: pipeline("refine_lit_edges"),
+            end_stage: pipeline("end_stage"),
             list_layout,
         })
     }
 
-    /// Buffers for a picture of `sample_size` samples, which becomes `radiance`.
+    /// Buffers for a picture, which becomes `radiance`.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter allows no buffer that large.
     pub fn points(
         &self,
         gpu: &Gpu,
-        sample_size: [u32; 2],
-        sampling: u32,
-        planes: SumPlanes,
+        plan: PointPlan,
         radiance: &wgpu::TextureView,
     ) -> Result<ShadingPoints, RenderError> {
-        let [width, height] = sample_size.map(u64::from);
-        let side = u64::from(sampling);
-        let (samples, tiles) = (width * height, width.div_ceil(side) * height.div_ceil(side));
-        let capacity = capacity(sample_size, sampling);
-        let (wanted, limit) = (largest_buffer(sample_size, sampling), gpu.largest_storage());
+        let capacity = plan.capacity();
+        let (wanted, limit) = (plan.largest_buffer(), gpu.largest_storage());
         if wanted > limit {
             return Err(RenderError::OverLimit {
                 what: "bytes to sum light at every sample (fewer samples a pixel or coarser shadow sampling need less)",
@@ -126,77 +263,126 @@ impl ShadingPointsPass {
             });
         }
         let storage = wgpu::BufferUsages::STORAGE;
-        let point_bytes = capacity * POINT_BYTES;
-        let points = gpu.empty_buffer("shading points", point_bytes, storage);
-        let count = gpu.empty_buffer("number of points", 4, storage | wgpu::BufferUsages::COPY_DST);
-        let point_of_tile = gpu.empty_buffer("points of tiles", 4 * tiles, storage);
-        let own = if sampling == 1 { 1 } else { samples };
+        let points = gpu.empty_buffer("shading points", capacity * POINT_BYTES, storage);
+        let work = gpu.empty_buffer(
+            "account of points",
+            plan.work_bytes(),
+            storage
+                | wgpu::BufferUsages::COPY_DST
+                | wgpu::BufferUsages::COPY_SRC
+                | wgpu::BufferUsages::INDIRECT,
+        );
+        let arguments = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::INDIRECT;
+        let edge_dispatch = gpu.empty_buffer("edge dispatch", 16, arguments);
+        let point_of_tile = gpu.empty_buffer("points of tiles", 4 * plan.all_tiles(), storage);
+        let own = if plan.has_own_points() { plan.samples() } else { 1 };
         let point_of_sample = gpu.empty_buffer("points of samples", 4 * own, storage);
-        let dispatch = gpu.empty_buffer("dispatch", 16, storage | wgpu::BufferUsages::INDIRECT);
         let plane = |label, is_kept: bool, bytes| {
             gpu.empty_buffer(label, if is_kept { capacity * bytes } else { 0 }, storage)
         };
         let diffuse = plane("sums of diffuse light", true, DIFFUSE_BYTES);
-        let specular = plane("sums of specular light", planes.specular, SPECULAR_BYTES);
-        let near = plane("sums of near light", planes.near, NEAR_BYTES);
+        let specular = plane("sums of specular light", plan.planes.specular, SPECULAR_BYTES);
+        let near = plane("sums of near light", plan.planes.near, NEAR_BYTES);
         let group = |label, layout, buffers: &[&wgpu::Buffer], written: Option<&wgpu::TextureView>| {
             let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
             let written = written.map(wgpu::BindingResource::TextureView);
             gpu.bind_group(label, layout, &(0..).zip(buffers.chain(written)).collect::<Vec<_>>())
         };
+        let stages = plan.stages().map(|(kind, stage)| {
+            let uniform = gpu.shared_buffer("stage", &stage, wgpu::BufferUsages::UNIFORM);
+            let (list_buffers, light_buffers) = (
+                [
+                    &points,
+                    &work,
+                    &point_of_tile,
+                    &point_of_sample,
+                    &diffuse,
+                    &specular,
+                    &near,
+                    &uniform,
+                ],
+                [&points, &work, &diffuse, &specular, &near, &uniform],
+            );
+            PointStage {
+                list: stage.list as usize,
+                list_group: group("shading points", &self.list_layout, &list_buffers, None),
+                light_group: group("sums of light", &self.light_layout, &light_buffers, None),
+                dispatch_offset: 4 * u64::from(layout::WORK_STAGES + layout::WORK_STAGE * stage.stage),
+                kind,
+                uniform,
+            }
+        });
         Ok(ShadingPoints {
-            list_group: group(
-                "shading points",
-                &self.list_layout,
-                &[&points, &count, &point_of_tile, &point_of_sample, &dispatch],
-                None,
-            ),
-            light_group: group(
-                "sums of light",
-                &self.light_layout,
-                &[&points, &dispatch, &diffuse, &specular, &near],
-                None,
-            ),
+            stages: stages.collect(),
             compose_group: group(
                 "sums to compose",
                 &self.compose_layout,
-                &[&points, &point_of_tile, &point_of_sample, &diffuse, &specular, &near],
+                &[&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near],
                 Some(radiance),
             ),
-            dispatch,
             list: points,
+            work,
+            edge_dispatch,
             capacity,
-            planes,
-            count,
-            sample_size,
-            sampling,
+            plan,
         })
     }
 
+    /// Lists the points of a stage. Light has been summed at those of the stages before.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         points: &ShadingPoints,
+        stage: &PointStage,
         view_group: &wgpu::BindGroup,
         gbuffer_group: &wgpu::BindGroup,
     ) {
-        recorder.encoder.clear_buffer(&points.count, 0, None);
-        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        let plan = &points.plan;
         let groups = [
             (layout::GROUP_FRAME, view_group),
             (layout::GROUP_SURFACE, gbuffer_group),
-            (layout::GROUP_PASS, &points.list_group),
+            (layout::GROUP_PASS, &stage.list_group),
         ];
-        set_groups(&mut pass, &groups);
-        let [tile_columns, tile_rows] = points.sample_size.map(|side| side.div_ceil(points.sampling));
-        pass.set_pipeline(&self.choose);
-        pass.dispatch_workgroups(tile_columns.div_ceil(layout::TILE), tile_rows.div_ceil(layout::TILE), 1);
-        if points.sampling > 1 {
-            let [width, height] = points.sample_size;
-            pass.set_pipeline(&self.refine);
-            pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
+        let dispatch = |pass: &mut wgpu::ComputePass<'_>, pipeline, side: u32| {
+            let [columns, rows] = plan.sample_size.map(|samples| samples.div_ceil(side));
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups(columns.div_ceil(layout::TILE), rows.div_ceil(layout::TILE), 1);
+        };
+        if stage.list == 0 && stage.lists_tiles() {
+            recorder.encoder.clear_buffer(&points.work, 0, Some(4 * u64::from(layout::WORK_PIXELS)));
+            let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+            set_groups(&mut pass, &groups);
+            dispatch(&mut pass, &self.find_edges, plan.supersample);
+            pass.set_pipeline(&self.edge_dispatch);
+            pass.dispatch_workgroups(1, 1, 1);
+            drop(pass);
+            let place = 4 * u64::from(layout::WORK_EDGE_DISPATCH);
+            recorder.encoder.copy_buffer_to_buffer(&points.work, place, &points.edge_dispatch, 0, 16);
         }
-        pass.set_pipeline(&self.dispatch_size);
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        set_groups(&mut pass, &groups);
+        let over_edges = |pass: &mut wgpu::ComputePass<'_>, pipeline| {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups_indirect(&points.edge_dispatch, 0);
+        };
+        let sampling = plan.samplings[stage.list];
+        match stage.kind {
+            StageKind::Tiles => {
+                dispatch(&mut pass, &self.choose, sampling);
+                if sampling > plan.supersample {
+                    let is_coarse = stage.list + 1 < plan.samplings.len();
+                    dispatch(&mut pass, &self.refine, plan.block(stage.kind, is_coarse));
+                } else if sampling > 1 {
+                    over_edges(&mut pass, &self.refine_edges);
+                }
+            }
+            StageKind::Lit if sampling > 1 && plan.contrast < 1.0 => {
+                dispatch(&mut pass, &self.refine_lit, plan.supersample);
+                over_edges(&mut pass, &self.refine_lit_edges);
+            }
+            StageKind::Lit => {}
+        }
+        pass.set_pipeline(&self.end_stage);
         pass.dispatch_workgroups(1, 1, 1);
     }
 }
@@ -208,23 +394,33 @@ mod tests {
     #[test]
     fn a_point_is_as_large_as_its_struct() {
         assert_eq!(layout::size::<layout::ShadingPoint>(), POINT_BYTES);
+        assert_eq!(layout::WORK_STAGES + layout::WORK_STAGE * layout::MAX_POINT_STAGES, layout::WORK_EDGE_DISPATCH);
     }
 
     #[test]
     fn the_default_at_1920_x_1080_fits_what_web_gpu_guarantees() {
-        let techniques = crate::TechniqueSettings::default();
-        let size = [1920, 1080].map(|side: u32| side * techniques.supersample);
+        let techniques = TechniqueSettings::default();
+        let plan = PointPlan::new(&techniques, [1920, 1080], SumPlanes { specular: true, near: true });
         let limits = wgpu::Limits::default();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let points = capacity(size, techniques.shadow_sampling);
-        let largest = largest_buffer(size, techniques.shadow_sampling);
-        println!("{points} points, the largest buffer {largest} bytes");
-        assert!(largest <= limit, "{largest} of {limit}");
+        println!("{} points, the largest buffer {} bytes", plan.capacity(), plan.largest_buffer());
+        assert!(plan.largest_buffer() <= limit, "{} of {limit}", plan.largest_buffer());
         for bytes in [POINT_BYTES, DIFFUSE_BYTES, SPECULAR_BYTES, NEAR_BYTES] {
-            assert!(points * bytes <= largest);
+            assert!(plan.capacity() * bytes <= plan.largest_buffer());
         }
-        // What is kept for every sample.
-        assert!(4 * u64::from(size[0]) * u64::from(size[1]) <= limit);
-        assert!(size[0] <= limits.max_texture_dimension_2d);
+        assert!(plan.sample_size[0] <= limits.max_texture_dimension_2d);
+        // Materials are a storage buffer, too.
+        assert!(7 < limits.max_storage_buffers_per_shader_stage);
+    }
+
+    #[test]
+    fn blocks_divide_pixels() {
+        for supersample in 1..=8 {
+            let techniques = TechniqueSettings { supersample, ..Default::default() };
+            let plan = PointPlan::new(&techniques, [8, 8], SumPlanes { specular: false, near: false });
+            for (_, stage) in plan.stages() {
+                assert!(supersample % stage.block == 0 && stage.block <= supersample, "{stage:?}");
+            }
+        }
     }
 }

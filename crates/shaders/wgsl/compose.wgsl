@@ -6,9 +6,10 @@
 #import form_factor
 #import slot:composite
 
-// Radiance of every sample: unshadowed light, what the lights' sums make of it, emission; or the environment itself.
+// Radiance of every pixel: unshadowed light, what the lights' sums make of it, emission; or the environment itself. A pixel that shows one
+// smooth surface is composed once, others sample by sample.
 
-@group(GROUP_PASS) @binding(6) var radiance: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(7) var radiance: texture_storage_2d<rgba32float, write>;
 
 // Irradiance of the whole environment on a normal in its frame, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {
@@ -23,22 +24,19 @@ fn full_irradiance(n: vec3f) -> vec3f {
     return irradiance;
 }
 
-@compute @workgroup_size(TILE, TILE)
-fn compose(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= view.size) {
-        return;
+// What the camera sees of the environment through a sample.
+fn background_at(sample: vec2u) -> vec3f {
+    if (view.flags & FLAG_BACKGROUND) == 0u {
+        return vec3f(0.0);
     }
-    let depth = depth_at(id.xy);
-    if depth == 0.0 {
-        let near = unproject(id.xy, 1.0);
-        let direction = environment_direction(normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz));
-        let shown = (view.flags & FLAG_BACKGROUND) != 0u;
-        textureStore(radiance, id.xy, vec4f(select(vec3f(0.0), equirect_lookup(background, direction, 0), shown), 0.0));
-        return;
-    }
-    let surface = surface_at(id.xy, depth);
+    let near = unproject(sample, 1.0);
+    let direction = environment_direction(normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz));
+    return equirect_lookup(background, direction, 0);
+}
+
+// Radiance of a surface under these sums.
+fn shade(surface: Surface, sums: LightSums) -> vec3f {
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
-    let sums = sums_at(id.xy, surface.position_world, surface.n);
 
     // Of the ambient rest, what the probes see.
     let open = select(1.0, sums.probed_open / sums.probed, sums.probed > 0.0);
@@ -74,5 +72,96 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
             open * ambient_specular + sums.specular_shadowed,
         ) + sums.specular_near;
     }
-    textureStore(radiance, id.xy, vec4f(result, 1.0));
+    return result;
+}
+
+fn edge_word(pixel: u32) -> u32 {
+    return work[WORK_PIXELS + pixel];
+}
+
+// The sums of a sample of such a pixel. A tile that lies within the pixel needs no neighbours: they would only blur it.
+fn smooth_sums(sample: vec2u, own_of_pixel: u32, surface: Surface) -> LightSums {
+    let list = view.point_list_count - 1u;
+    let own = own_point(sample);
+    let point = select(neighbour_point(list, sample, 4), select(own, own_of_pixel, own == NO_POINT), own_of_pixel != NO_POINT);
+    if point != NO_POINT && (own_of_pixel != NO_POINT || view.point_lists[list].sampling <= view.supersample) {
+        return load_sums(point);
+    }
+    return gathered_sums(list, sample, surface.position_world, surface.n);
+}
+
+// A pixel that shows one smooth surface. What textures say is averaged over four samples, light over all that have points of their own.
+fn smooth_radiance(corner: vec2u) -> vec4f {
+    let side = view.supersample;
+    let middle = corner + side / 2u;
+    let depth = depth_at(middle);
+    var mean = vec3f(0.0);
+    if depth == 0.0 {
+        for (var i = 0u; i < 4u; i++) {
+            mean += 0.25 * background_at(spread_sample(corner, side, i));
+        }
+        return vec4f(mean, 0.0);
+    }
+    var surface = surface_at(middle, depth);
+    if side > 1u {
+        for (var i = 0u; i < 4u; i++) {
+            mean += 0.25 * diffuse_color_at(spread_sample(corner, side, i));
+        }
+        surface.diffuse_color = mean;
+    }
+    let sampling = view.point_lists[view.point_list_count - 1u].sampling;
+    // One value for each sample where some have points of their own, for each tile where tiles are smaller than the pixel.
+    let own = own_point(middle);
+    let step = select(min(sampling, side), 1u, own != NO_POINT);
+    let steps = side / step;
+    var sums: LightSums;
+    for (var i = 0u; i < steps * steps; i++) {
+        let sample = corner + step * vec2u(i % steps, i / steps) + step / 2u;
+        add_weighted(&sums, 1.0 / f32(steps * steps), smooth_sums(sample, own, surface));
+    }
+    return vec4f(shade(surface, sums), 1.0);
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn compose_smooth(@builtin(global_invocation_id) id: vec3u) {
+    let size = view.size / view.supersample;
+    if any(id.xy >= size) || edge_word(id.y * size.x + id.x) != 0u {
+        return;
+    }
+    textureStore(radiance, id.xy, smooth_radiance(id.xy * view.supersample));
+}
+
+var<workgroup> of_samples: array<vec4f, LIGHT_WORKGROUP>;
+
+// The samples of edge pixels, an invocation each: as many whole pixels as a workgroup holds.
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn compose_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let side = view.supersample;
+    let samples = side * side;
+    let pixels = LIGHT_WORKGROUP / samples;
+    let size = view.size / side;
+    let number = (workgroup.y * work[WORK_EDGE_DISPATCH] + workgroup.x) * pixels + local / samples;
+    let inside = local < pixels * samples && number < work[WORK_EDGE_DISPATCH + 3u];
+    var pixel = vec2u(0u);
+    if inside {
+        let place = edge_word(size.x * size.y + number);
+        pixel = vec2u(place % size.x, place / size.x);
+        let k = local % samples;
+        let sample = pixel * side + vec2u(k % side, k / side);
+        let depth = depth_at(sample);
+        if depth == 0.0 {
+            of_samples[local] = vec4f(background_at(sample), 0.0);
+        } else {
+            let surface = surface_at(sample, depth);
+            of_samples[local] = vec4f(shade(surface, sums_at(sample, surface.position_world, surface.n)), 1.0);
+        }
+    }
+    workgroupBarrier();
+    if inside && local % samples == 0u {
+        var sum = vec4f(0.0);
+        for (var k = 0u; k < samples; k++) {
+            sum += of_samples[local + k];
+        }
+        textureStore(radiance, pixel, sum / f32(samples));
+    }
 }

@@ -10,7 +10,7 @@
 @group(GROUP_FRAME) @binding(3) var depth_maps: texture_depth_2d_array;
 @group(GROUP_FRAME) @binding(4) var<uniform> lights: array<Light, MAX_BATCH_LIGHTS>;
 
-@group(GROUP_PASS) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(7) var picture: texture_storage_2d<rgba32float, write>;
 
 // Around what is shown, and where there is nothing to show.
 const EMPTY: vec3f = vec3f(0.01, 0.012, 0.016);
@@ -30,13 +30,11 @@ fn share_seen(shadowed: f32, unshadowed: f32) -> vec3f {
 }
 
 fn points_of(sample: vec2u) -> vec3f {
-    let tiles = (view.size + view.shadow_sampling - 1u) / view.shadow_sampling;
-    let tile = sample / view.shadow_sampling;
-    let of_tile = point_of_tile[tile.y * tiles.x + tile.x];
+    let of_tile = neighbour_point(view.point_list_count - 1u, sample, 4);
     if of_tile != NO_POINT && points[of_tile].sample == sample.y * view.size.x + sample.x {
         return vec3f(1.0);
     }
-    if view.shadow_sampling > 1u && point_of_sample[sample.y * view.size.x + sample.x] != NO_POINT {
+    if own_point(sample) != NO_POINT {
         return vec3f(1.0, 0.12, 0.01);
     }
     let albedo = luminance(base_color_at(sample));

@@ -33,13 +33,22 @@ fn depth_at(sample: vec2u) -> f32 {
 
 // Homogeneous point of the world seen through a sample at a depth.
 fn unproject(sample: vec2u, depth: f32) -> vec4f {
-    let ndc = sample_place(sample) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
-    return view.world_from_clip * vec4f(ndc, depth, 1.0);
+    return view.world_from_clip * vec4f(ndc_of(sample), depth, 1.0);
 }
 
 fn position_at(sample: vec2u, depth: f32) -> vec3f {
     let homogeneous = unproject(sample, depth);
     return homogeneous.xyz / homogeneous.w;
+}
+
+// Homogeneous w of a point: its distance along the view, or 1 in a parallel one.
+fn w_axis() -> vec4f {
+    return vec4f(view.clip_from_world[0].w, view.clip_from_world[1].w, view.clip_from_world[2].w, view.clip_from_world[3].w);
+}
+
+// Distance in the world from a sample to the next, across the view, at a point of it.
+fn sample_extent_at(position_world: vec3f) -> f32 {
+    return view.sample_extent * dot(w_axis(), vec4f(position_world, 1.0));
 }
 
 fn normal_at(sample: vec2u) -> vec3f {
@@ -54,6 +63,13 @@ fn packed_surface_at(sample: vec2u) -> PackedSurface {
 fn base_color_at(sample: vec2u) -> vec3f {
     let packed = packed_surface_at(sample);
     return materials[packed.material].base_color.rgb * packed.base_color;
+}
+
+// Albedo of the matte part.
+fn diffuse_color_at(sample: vec2u) -> vec3f {
+    let packed = packed_surface_at(sample);
+    let material = materials[packed.material];
+    return material.base_color.rgb * packed.base_color * (1.0 - material.metallic * packed.metallic);
 }
 
 // Tint of the interface above a material's matte part (KHR_materials_ior and KHR_materials_specular).

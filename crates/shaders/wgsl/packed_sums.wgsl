@@ -17,6 +17,40 @@ struct LightSums {
     specular_near: vec3f,
 }
 
+fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
+    (*sums).diffuse_unshadowed += weight * more.diffuse_unshadowed;
+    (*sums).probed += weight * more.probed;
+    (*sums).diffuse_shadowed += weight * more.diffuse_shadowed;
+    (*sums).probed_open += weight * more.probed_open;
+    (*sums).specular_unshadowed += weight * more.specular_unshadowed;
+    (*sums).specular_shadowed += weight * more.specular_shadowed;
+    (*sums).diffuse_near += weight * more.diffuse_near;
+    (*sums).specular_near += weight * more.specular_near;
+}
+
+// Sums as they lie in memory.
+struct PackedSums {
+    diffuse: vec4u,
+    specular: vec3u,
+    near: vec3u,
+}
+
+fn packed_sums(sums: LightSums) -> PackedSums {
+    let diffuse =
+        pack_color_pair(view.sum_scales.x * sums.diffuse_unshadowed, view.sum_scales.x * sums.diffuse_shadowed);
+    return PackedSums(
+        vec4u(diffuse, pack2x16float(vec2f(sums.probed, sums.probed_open))),
+        pack_color_pair(view.sum_scales.y * sums.specular_unshadowed, view.sum_scales.y * sums.specular_shadowed),
+        pack_color_pair(view.sum_scales.z * sums.diffuse_near, view.sum_scales.z * sums.specular_near),
+    );
+}
+
+// Share of the irradiance so far that arrives.
+fn visibility_of(point: u32) -> f32 {
+    let diffuse = unpack_color_pair(diffuse_sums[point].xyz);
+    return luminance(diffuse.second) / max(luminance(diffuse.first), 1e-20);
+}
+
 fn load_sums(point: u32) -> LightSums {
     var sums: LightSums;
     let words = diffuse_sums[point];

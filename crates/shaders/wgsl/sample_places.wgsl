@@ -17,6 +17,16 @@ fn sample_place(sample: vec2u) -> vec2f {
     return vec2f(sample) + 0.5 + sample_offset(sample % view.interleave);
 }
 
+// The same in normalised device coordinates.
+fn ndc_of(sample: vec2u) -> vec2f {
+    return sample_place(sample) / vec2f(view.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+}
+
+// The `i`-th of four samples that are spread over a pixel of `side` samples a side.
+fn spread_sample(corner: vec2u, side: u32, i: u32) -> vec2u {
+    return corner + (vec2u(2u * (i & 1u) + (i >> 1u), 2u * (i >> 1u) + 1u - (i & 1u)) * side) / 4u;
+}
+
 // A sample's texel in the G-buffer.
 fn gbuffer_texel(sample: vec2u) -> vec2u {
     return (sample % view.interleave) * (view.size / view.interleave) + sample / view.interleave;

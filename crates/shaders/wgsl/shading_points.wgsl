@@ -1,49 +1,135 @@
-#import gbuffer_surface
 #import shadow_buffer
+#import smooth_pixel
+#import stored_sums
 
-// The points that lights are summed at: one for every tile of `view.shadow_sampling` x `view.shadow_sampling` samples, and
-// then every sample that none of the tiles around it stands for. With tiles of one sample these are all samples that show a surface.
+// The points that lights are summed at, in stages. A list has one for every tile of samples, and for samples that none of the tiles
+// around them stands for (`refine`); once light is summed there, more where visibility changes from point to point (`refine_lit`). Wide
+// lights have a list of large tiles; the list of the others starts from its sums. With tiles of one sample these are all samples that show a surface.
 
 @group(GROUP_PASS) @binding(0) var<storage, read_write> points: array<ShadingPoint>;
-@group(GROUP_PASS) @binding(1) var<storage, read_write> count: atomic<u32>;
+@group(GROUP_PASS) @binding(1) var<storage, read_write> work: array<atomic<u32>>;
 @group(GROUP_PASS) @binding(2) var<storage, read_write> point_of_tile: array<u32>;
 @group(GROUP_PASS) @binding(3) var<storage, read_write> point_of_sample: array<u32>;
-@group(GROUP_PASS) @binding(4) var<storage, read_write> dispatch: array<u32, 4>;
+@group(GROUP_PASS) @binding(4) var<storage, read_write> diffuse_sums: array<vec4u>;
+@group(GROUP_PASS) @binding(5) var<storage, read_write> specular_sums: array<u32>;
+@group(GROUP_PASS) @binding(6) var<storage, read_write> near_sums: array<u32>;
+@group(GROUP_PASS) @binding(7) var<uniform> stage: PointStage;
 
 // Places in a tile that may show a surface where its centre does not.
 const CANDIDATES: u32 = 16u;
+// Most points of a block of samples: more surfaces than that share them.
+const BLOCK_POINTS: u32 = 4u;
 
 var<workgroup> group_count: atomic<u32>;
 var<workgroup> group_start: u32;
 
-// Puts a point on the list for every invocation that has one; the place of each, `NO_POINT` without or past the end. One global atomic
-// a workgroup, and neighbours on the screen stay neighbours on the list. All invocations of a workgroup must come here.
-fn append(wanted: bool, local: u32, sample: vec2u, depth: f32) -> u32 {
+// Places for `wanted` new entries that `total` counts. One global atomic a workgroup, and neighbours on the screen stay neighbours on the
+// list. All invocations of a workgroup must come here.
+fn reserve(total: u32, wanted: u32, local: u32) -> u32 {
     var place = 0u;
-    if wanted {
-        place = atomicAdd(&group_count, 1u);
+    if wanted > 0u {
+        place = atomicAdd(&group_count, wanted);
     }
     workgroupBarrier();
     if local == 0u {
-        group_start = atomicAdd(&count, atomicLoad(&group_count));
+        group_start = atomicAdd(&work[total], atomicLoad(&group_count));
     }
     workgroupBarrier();
-    place += group_start;
-    if !wanted || place >= arrayLength(&points) {
-        return NO_POINT;
-    }
+    return place + group_start;
+}
+
+fn shading_point(sample: vec2u, depth: f32) -> ShadingPoint {
     let position = position_at(sample, depth);
-    points[place] = ShadingPoint(
+    return ShadingPoint(
         array(position.x, position.y, position.z),
         sample.y * view.size.x + sample.x,
         pack2x16float(octahedral_encode(normal_at(sample))),
     );
+}
+
+// Number of the first point of the stage's list.
+fn first_point() -> u32 {
+    let first_stage = view.point_lists[stage.list].first_stage;
+    if first_stage == 0u {
+        return 0u;
+    }
+    return atomicLoad(&work[WORK_STAGES + WORK_STAGE * (first_stage - 1u) + 3u]);
+}
+
+// Whether a sample has a point of this list to itself.
+fn has_own_point(sample: vec2u) -> bool {
+    let own = point_of_sample[sample.y * view.size.x + sample.x];
+    return own != NO_POINT && own >= first_point();
+}
+
+// Puts a point at its place; `NO_POINT` past the end. It starts with what the list before knows of its sample.
+fn put(place: u32, point: ShadingPoint) -> u32 {
+    if place >= arrayLength(&points) {
+        return NO_POINT;
+    }
+    points[place] = point;
+    if stage.list > 0u {
+        let own = point_of_sample[point.sample];
+        if own != NO_POINT && own < first_point() {
+            store_sums(place, load_sums(own));
+        } else {
+            let sample = vec2u(point.sample % view.size.x, point.sample / view.size.x);
+            let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
+            store_sums(place, gathered_sums(stage.list - 1u, sample, position, normal_at(sample)));
+        }
+    }
     return place;
+}
+
+// Lists the pixels whose samples see more than one smooth surface. No sample has a point of its own yet.
+@compute @workgroup_size(TILE, TILE)
+fn find_edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    let size = view.size / view.supersample;
+    let inside = all(id.xy < size);
+    let pixel = id.y * size.x + id.x;
+    let wanted = inside && !is_smooth(id.xy);
+    let place = reserve(WORK_EDGES, u32(wanted), local);
+    if inside {
+        atomicStore(&work[WORK_PIXELS + pixel], u32(wanted));
+    }
+    if wanted {
+        atomicStore(&work[WORK_PIXELS + size.x * size.y + place], pixel);
+    }
+    if inside && (view.point_lists[0].sampling > 1u || view.point_list_count > 1u) {
+        let side = view.supersample;
+        for (var i = 0u; i < side * side; i++) {
+            let sample = id.xy * side + vec2u(i % side, i / side);
+            point_of_sample[sample.y * view.size.x + sample.x] = NO_POINT;
+        }
+    }
+}
+
+fn is_edge(sample: vec2u) -> bool {
+    let pixel = sample / view.supersample;
+    return atomicLoad(&work[WORK_PIXELS + pixel.y * (view.size.x / view.supersample) + pixel.x]) != 0u;
+}
+
+// Workgroups of `compose_edges`: each has as many whole pixels as it has invocations for.
+@compute @workgroup_size(1)
+fn edge_dispatch() {
+    let edges = atomicLoad(&work[WORK_EDGES]);
+    let size = dispatch_of(edges, LIGHT_WORKGROUP / (view.supersample * view.supersample));
+    atomicStore(&work[WORK_EDGE_DISPATCH], size.x);
+    atomicStore(&work[WORK_EDGE_DISPATCH + 1u], size.y);
+    atomicStore(&work[WORK_EDGE_DISPATCH + 2u], 1u);
+    atomicStore(&work[WORK_EDGE_DISPATCH + 3u], edges);
+}
+
+// Workgroups for so many items: a dispatch has at most 65535 a side.
+fn dispatch_of(items: u32, items_of_group: u32) -> vec2u {
+    let groups = (items + items_of_group - 1u) / items_of_group;
+    let rows = max((groups + 32767u) / 32768u, 1u);
+    return vec2u((groups + rows - 1u) / rows, rows);
 }
 
 @compute @workgroup_size(TILE, TILE)
 fn choose(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    let side = view.shadow_sampling;
+    let side = view.point_lists[stage.list].sampling;
     let tiles = (view.size + side - 1u) / side;
     var sample = vec2u(0u);
     var depth = 0.0;
@@ -55,50 +141,202 @@ fn choose(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_in
             depth = depth_at(sample);
         }
     }
-    let point = append(depth > 0.0, local, sample, depth);
+    let place = reserve(WORK_POINTS, u32(depth > 0.0), local);
     if all(id.xy < tiles) {
-        point_of_tile[id.y * tiles.x + id.x] = point;
+        var point = NO_POINT;
+        if depth > 0.0 {
+            point = put(place, shading_point(sample, depth));
+        }
+        point_of_tile[view.point_lists[stage.list].first_tile + id.y * tiles.x + id.x] = point;
     }
 }
 
 // Whether the tiles around a sample stand for it.
 fn is_represented(sample: vec2u, position_world: vec3f, n: vec3f) -> bool {
-    let tiles = (view.size + view.shadow_sampling - 1u) / view.shadow_sampling;
-    let center = vec2i(sample / view.shadow_sampling);
     let normal_power = normal_power_at(sample);
     var sum = 0.0;
     // The sample's own tile first: mostly it is enough.
     for (var i = 4; i < 13 && sum < RESAMPLE_MIN_WEIGHT; i++) {
-        let tile = center + vec2i(i % 3, (i / 3) % 3) - 1;
-        if all(tile >= vec2i(0)) && all(tile < vec2i(tiles)) {
-            let point = point_of_tile[u32(tile.y) * tiles.x + u32(tile.x)];
-            if point != NO_POINT {
-                sum += point_weight(points[point], sample, position_world, n, normal_power);
-            }
+        let point = neighbour_point(stage.list, sample, i % 9);
+        if point != NO_POINT {
+            sum += point_weight(stage.list, points[point], sample, position_world, n, normal_power);
         }
     }
     return sum >= RESAMPLE_MIN_WEIGHT;
 }
 
-@compute @workgroup_size(TILE, TILE)
-fn refine(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    let inside = all(id.xy < view.size);
-    var depth = 0.0;
-    if inside {
-        depth = depth_at(id.xy);
+// Lists points for the samples of a block: for all of them, or those that none of the tiles stands for.
+fn refine_block(corner: vec2u, inside: bool, all_own: bool, local: u32) {
+    let side = select(0u, stage.block, inside);
+    // Of the block's samples those that none of the tiles stands for, and for each the point that does, two bits.
+    var wanted = 0u;
+    var owner = 0u;
+    var own_points: array<ShadingPoint, BLOCK_POINTS>;
+    var count = 0u;
+    // A block that shows one smooth surface has samples that are alike.
+    let middle = corner + side / 2u;
+    let is_smooth_block = inside && all(middle < view.size) && !is_edge(middle);
+    if is_smooth_block {
+        let depth = depth_at(middle);
+        if depth > 0.0 && !is_represented(middle, position_at(middle, depth), normal_at(middle)) {
+            wanted = (1u << (side * side)) - 1u;
+            own_points[0] = shading_point(middle, depth);
+            count = 1u;
+        }
     }
-    let wanted = depth > 0.0 && !is_represented(id.xy, position_at(id.xy, depth), normal_at(id.xy));
-    let point = append(wanted, local, id.xy, depth);
-    if inside {
-        point_of_sample[id.y * view.size.x + id.x] = point;
+    for (var i = 0u; i < side * side && !is_smooth_block; i++) {
+        let sample = corner + vec2u(i % side, i / side);
+        if any(sample >= view.size) {
+            continue;
+        }
+        let depth = depth_at(sample);
+        if depth == 0.0 {
+            continue;
+        }
+        let position_world = position_at(sample, depth);
+        let n = normal_at(sample);
+        if !all_own && is_represented(sample, position_world, n) {
+            continue;
+        }
+        wanted |= 1u << i;
+        var found = false;
+        for (var k = 0u; k < count && !found; k++) {
+            found = point_weight(stage.list, own_points[k], sample, position_world, n, normal_power_at(sample)) >= RESAMPLE_MIN_WEIGHT;
+            if found {
+                owner |= k << (2u * i);
+            }
+        }
+        if !found && count < BLOCK_POINTS {
+            own_points[count] = shading_point(sample, depth);
+            owner |= count << (2u * i);
+            count += 1u;
+        }
+    }
+    let start = reserve(WORK_POINTS, count, local);
+    for (var k = 0u; k < count; k++) {
+        _ = put(start + k, own_points[k]);
+    }
+    for (var i = 0u; i < side * side; i++) {
+        let sample = corner + vec2u(i % side, i / side);
+        if any(sample >= view.size) {
+            continue;
+        }
+        if (wanted & (1u << i)) != 0u {
+            let place = start + ((owner >> (2u * i)) & 3u);
+            point_of_sample[sample.y * view.size.x + sample.x] = select(NO_POINT, place, place < arrayLength(&points));
+        }
     }
 }
 
-// Workgroups of `light` for the points on the list: a dispatch has at most 65535 a side.
+@compute @workgroup_size(TILE, TILE)
+fn refine(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    refine_block(id.xy * stage.block, true, false, local);
+}
+
+// A part of an edge pixel, by the invocation that works on it.
+struct EdgePart {
+    // First sample of the pixel.
+    corner: vec2u,
+    // Number of the invocation within the pixel.
+    part: u32,
+    exists: bool,
+}
+
+// Invocations of a dispatch over edge pixels: one for each sample.
+fn edge_part(workgroup: vec2u, local: u32) -> EdgePart {
+    let samples = view.supersample * view.supersample;
+    let pixels = LIGHT_WORKGROUP / samples;
+    let size = view.size / view.supersample;
+    let number = (workgroup.y * atomicLoad(&work[WORK_EDGE_DISPATCH]) + workgroup.x) * pixels + local / samples;
+    if local >= pixels * samples || number >= atomicLoad(&work[WORK_EDGE_DISPATCH + 3u]) {
+        return EdgePart(vec2u(0u), 0u, false);
+    }
+    let pixel = atomicLoad(&work[WORK_PIXELS + size.x * size.y + number]);
+    return EdgePart(vec2u(pixel % size.x, pixel / size.x) * view.supersample, local % samples, true);
+}
+
+// Where tiles are no larger than a pixel they stand for all of a smooth one. At edges things touch, and shadows are narrower than tiles:
+// every sample has a point there, or its block.
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn refine_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let edge = edge_part(workgroup.xy, local);
+    let blocks = view.supersample / stage.block;
+    let exists = edge.exists && edge.part < blocks * blocks;
+    refine_block(edge.corner + stage.block * vec2u(edge.part % blocks, edge.part / blocks), exists, true, local);
+}
+
+// Whether visibility of all light summed so far changes much among the points around a sample.
+fn needs_more(sample: vec2u, depth: f32) -> bool {
+    let position_world = position_at(sample, depth);
+    let n = normal_at(sample);
+    let normal_power = normal_power_at(sample);
+    var least = 1.0;
+    var most = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let point = neighbour_point(stage.list, sample, i);
+        if point != NO_POINT
+            && point_weight(stage.list, points[point], sample, position_world, n, normal_power) > NEIGHBOUR_MIN_WEIGHT {
+            let visible = visibility_of(point);
+            least = min(least, visible);
+            most = max(most, visible);
+        }
+    }
+    return most - least > stage.contrast;
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn refine_lit(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
+    let corner = id.xy * view.supersample;
+    let blocks = view.supersample / stage.block;
+    var count = 0u;
+    if all(corner < view.size) {
+        let sample = corner + view.supersample / 2u;
+        let depth = depth_at(sample);
+        if depth > 0.0 && !is_edge(sample) && !has_own_point(sample) && needs_more(sample, depth) {
+            count = blocks * blocks;
+        }
+    }
+    let start = reserve(WORK_POINTS, count, local);
+    for (var k = 0u; k < count; k++) {
+        let first = corner + stage.block * vec2u(k % blocks, k / blocks);
+        let sample = first + stage.block / 2u;
+        let point = put(start + k, shading_point(sample, depth_at(sample)));
+        for (var i = 0u; i < stage.block * stage.block; i++) {
+            let of_block = first + vec2u(i % stage.block, i / stage.block);
+            point_of_sample[of_block.y * view.size.x + of_block.x] = point;
+        }
+    }
+}
+
+// The same for samples of edge pixels, each by itself.
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn refine_lit_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let edge = edge_part(workgroup.xy, local);
+    let sample = edge.corner + vec2u(edge.part % view.supersample, edge.part / view.supersample);
+    var depth = 0.0;
+    if edge.exists {
+        depth = depth_at(sample);
+    }
+    let wanted = depth > 0.0 && !has_own_point(sample) && needs_more(sample, depth);
+    let place = reserve(WORK_POINTS, u32(wanted), local);
+    if wanted {
+        point_of_sample[sample.y * view.size.x + sample.x] = put(place, shading_point(sample, depth));
+    }
+}
+
+// Ends a stage: workgroups of `light` for its points.
 @compute @workgroup_size(1)
-fn dispatch_size() {
-    let points_listed = min(atomicLoad(&count), arrayLength(&points));
-    let groups = (points_listed + LIGHT_WORKGROUP - 1u) / LIGHT_WORKGROUP;
-    let rows = (groups + 32767u) / 32768u;
-    dispatch = array(select(0u, (groups + max(rows, 1u) - 1u) / max(rows, 1u), rows > 0u), rows, 1u, points_listed);
+fn end_stage() {
+    let end = min(atomicLoad(&work[WORK_POINTS]), arrayLength(&points));
+    var first = 0u;
+    if stage.stage > 0u {
+        first = atomicLoad(&work[WORK_STAGES + WORK_STAGE * (stage.stage - 1u) + 3u]);
+    }
+    let size = dispatch_of(end - first, LIGHT_WORKGROUP);
+    let words = WORK_STAGES + WORK_STAGE * stage.stage;
+    atomicStore(&work[words], size.x);
+    atomicStore(&work[words + 1u], size.y);
+    atomicStore(&work[words + 2u], 1u);
+    atomicStore(&work[words + 3u], end);
+    atomicStore(&work[words + 4u], first);
 }

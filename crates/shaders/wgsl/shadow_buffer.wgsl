@@ -1,23 +1,80 @@
 #import gbuffer_surface
 #import resample
+#import packed_sums
+
+// Sums of light at any sample from those at shading points (DeCoro and Rusinkiewicz 2008, section 3.2). The importer binds
+// `points: array<ShadingPoint>` and `point_of_tile: array<u32>`, and the sums.
+
+// Weights that make no difference.
+const NEGLIGIBLE_WEIGHT: f32 = 1e-3;
+// A tile's point has less weight than this for samples that it says nothing about.
+const NEIGHBOUR_MIN_WEIGHT: f32 = 0.05;
 
 // Exponent of n . n' for a sample that shows a surface.
 fn normal_power_at(sample: vec2u) -> f32 {
+    if (view.flags & FLAG_SPECULAR_SUMS) == 0u {
+        return resample_normal_power(1.0);
+    }
     let packed = packed_surface_at(sample);
     let lobe = lobe_of(materials[packed.material], packed);
     let roughness = reflectance_equivalent_roughness(lobe);
     return resample_normal_power(select(1.0, alpha_from_roughness(roughness), has_lobe(lobe)));
 }
 
-// Weight of a shading point for a sample of the picture.
-fn point_weight(point: ShadingPoint, sample: vec2u, position_world: vec3f, n: vec3f, normal_power: f32) -> f32 {
-    let side = f32(view.shadow_sampling);
+// Weight of a shading point of a list for a sample of the picture.
+fn point_weight(list: u32, point: ShadingPoint, sample: vec2u, position_world: vec3f, n: vec3f, normal_power: f32) -> f32 {
+    let side = f32(view.point_lists[list].sampling);
     let place = sample_place(vec2u(point.sample % view.size.x, point.sample / view.size.x));
-    // Homogeneous w is the distance along the view, or 1 in a parallel one.
-    let w = dot(vec4f(view.clip_from_world[0].w, view.clip_from_world[1].w, view.clip_from_world[2].w, view.clip_from_world[3].w),
-        vec4f(position_world, 1.0));
     let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
     let normal = octahedral_decode(unpack2x16float(point.normal));
-    let height = dot(n, position - position_world) / (side * view.sample_extent * w);
+    let height = dot(n, position - position_world) / (side * sample_extent_at(position_world));
     return resample_weight((place - sample_place(sample)) / side, height, dot(n, normal), normal_power);
+}
+
+// Number of the point of the `i`-th of the nine tiles around a sample, row by row, the fifth its own.
+fn neighbour_point(list: u32, sample: vec2u, i: i32) -> u32 {
+    let side = view.point_lists[list].sampling;
+    let tiles = vec2i((view.size + side - 1u) / side);
+    let tile = vec2i(sample / side) + vec2i(i % 3, i / 3) - 1;
+    if any(tile < vec2i(0)) || any(tile >= tiles) {
+        return NO_POINT;
+    }
+    return point_of_tile[view.point_lists[list].first_tile + u32(tile.y * tiles.x + tile.x)];
+}
+
+// The mean of the sums of the tiles around a sample.
+fn gathered_sums(list: u32, sample: vec2u, position_world: vec3f, n: vec3f) -> LightSums {
+    var sums: LightSums;
+    if view.point_lists[list].sampling == 1u {
+        let point = neighbour_point(list, sample, 4);
+        if point != NO_POINT {
+            sums = load_sums(point);
+        }
+        return sums;
+    }
+    let normal_power = normal_power_at(sample);
+    var weights = 0.0;
+    var last = NO_POINT;
+    for (var i = 0; i < 9; i++) {
+        let point = neighbour_point(list, sample, i);
+        if point != NO_POINT {
+            let weight = point_weight(list, points[point], sample, position_world, n, normal_power);
+            if weight > NEGLIGIBLE_WEIGHT {
+                add_weighted(&sums, weight, load_sums(point));
+                weights += weight;
+            }
+            last = point;
+        }
+    }
+    if weights == 0.0 {
+        // Only where the list had no room for a point of its own.
+        var nearest: LightSums;
+        if last != NO_POINT {
+            nearest = load_sums(last);
+        }
+        return nearest;
+    }
+    var mean: LightSums;
+    add_weighted(&mean, 1.0 / weights, sums);
+    return mean;
 }

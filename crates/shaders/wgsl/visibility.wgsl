@@ -1,29 +1,28 @@
 #import frame
 #import gbuffer_surface
 #import light_shading
+#import stage_points
 #import visibility_bytes
 #import slot:shadow
 
 // Evaluates a shadow technique for every pair of a light of the batch and a shading point.
 
 @group(GROUP_PASS) @binding(0) var<storage, read> points: array<ShadingPoint>;
-// Workgroups of this dispatch (x, y), and number of points (w).
-@group(GROUP_PASS) @binding(1) var<storage, read> dispatch: vec4u;
+@group(GROUP_PASS) @binding(1) var<storage, read> work: array<u32>;
 @group(GROUP_PASS) @binding(2) var<uniform> point_count: u32;
 @group(GROUP_PASS) @binding(3) var<storage, read_write> visibilities: array<u32>;
+@group(GROUP_PASS) @binding(4) var<uniform> stage: PointStage;
 
 @compute @workgroup_size(LIGHT_WORKGROUP)
 fn write_visibility(
     @builtin(workgroup_id) workgroup: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let point = (workgroup.y * dispatch.x + workgroup.x) * LIGHT_WORKGROUP + local;
-    if point >= dispatch.w {
+    let point = stage_point(workgroup.xy, local);
+    if point == NO_POINT {
         return;
     }
-    let place = points[point].sample;
-    let sample = vec2u(place % view.size.x, place / view.size.x);
-    let surface = surface_at(sample, depth_at(sample));
+    let surface = surface_of(point);
     for (var first = batch.first_light / 4u * 4u; first < batch.end_light; first += 4u) {
         var four = vec4f(0.0);
         for (var light = max(first, batch.first_light); light < min(first + 4u, batch.end_light); light++) {

@@ -8,8 +8,8 @@ use gnomon_picture::RgbImage;
 use super::{Frame, Renderer};
 use crate::gpu::TextureReadBack;
 use crate::recorder::{FrameTimings, add_times};
-use crate::settings::TechniqueSettings;
-use crate::{Gpu, RenderError, shading_points};
+use crate::shading_points::samplings;
+use crate::{Gpu, RenderError};
 
 /// Rows of a picture that are drawn at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,14 +41,13 @@ fn cut(height: u32, kept: u32, overlap: u32) -> Vec<Band> {
 impl Renderer {
     /// How a picture has to be cut: one band where the adapter allows buffers for all of its samples. Debug views are never cut.
     pub(super) fn bands(&self, [width, height]: [u32; 2]) -> Vec<Band> {
-        let TechniqueSettings { supersample: samples, shadow_sampling: sampling, .. } =
-            self.settings().techniques;
-        let fits = |rows: u32| {
-            let size = [width * samples, rows * samples];
-            shading_points::largest_buffer(size, sampling) <= self.gpu.largest_storage()
-        };
-        // Samples look at the tiles around their own. So many pixels hold a whole number of tiles.
-        let overlap = (2 * sampling).div_ceil(samples).next_multiple_of(sampling);
+        let techniques = &self.settings().techniques;
+        let samples = techniques.supersample;
+        let sampling = samplings(techniques).into_iter().max().unwrap_or(1);
+        let fits = |rows: u32| self.point_plan([width, rows]).largest_buffer() <= self.gpu.largest_storage();
+        // Samples look at the tiles around their own, and those at what the list before has around them. So many pixels hold a whole
+        // number of tiles.
+        let overlap = (3 * sampling).div_ceil(samples).next_multiple_of(sampling);
         let tiles = (1..=height.div_ceil(sampling)).rev();
         let most = || tiles.map(|tiles| tiles * sampling).find(|rows| fits(rows + 2 * overlap));
         let whole = Band::whole(height);

@@ -114,7 +114,7 @@ impl Renderer {
                 batch..batch + 1
             }
         };
-        let groups = [&target.gbuffer.group, &target.points[0].compose_group];
+        let groups = [&target.gbuffer.group, &target.points.compose_group];
         let batches = debug.groups.iter().skip(shown.start).take(shown.len());
         debug.pass.encode(recorder, batches, groups, sample_size);
         Ok(())

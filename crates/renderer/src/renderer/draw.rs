@@ -14,7 +14,7 @@ use crate::gpu::TextureReadBack;
 use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
 use crate::settings::{Chosen, in_range};
-use crate::shading_points::SumPlanes;
+use crate::shading_points::{PointPlan, SumPlanes};
 
 impl Renderer {
     /// Draws one frame of `width` x `height` pixels and waits for it: [`Renderer::render_async`], waited for.
@@ -178,10 +178,11 @@ impl Renderer {
         let is_first = band.kept.start == 0;
         self.gpu.check()?;
         let size = [width, rows.len() as u32];
-        let planes = self.sum_planes();
-        let fits = |target: &Target| target.size == size && target.points.iter().all(|p| p.planes == planes);
+        let plan = self.point_plan(size);
+        let composed = self.composed();
+        let fits = |target: &Target| target.points.plan == plan && target.composed == composed;
         if !self.target.as_ref().is_some_and(fits) {
-            self.target = Some(self.new_target(size)?);
+            self.target = Some(self.new_target(size, plan)?);
         }
         self.fit_lights()?;
         let State { chosen, compose, cache, lit } = &self.state;
@@ -208,10 +209,6 @@ impl Renderer {
         );
         recorder.end_pass("gbuffer")?;
         let gbuffer_group = &target.gbuffer.group;
-        for points in &target.points {
-            self.passes.points.encode(&mut recorder, points, &self.view_group, gbuffer_group);
-        }
-        recorder.end_pass("points")?;
         let scene = LitScene {
             geometry: &self.geometry,
             materials: &self.materials,
@@ -219,7 +216,11 @@ impl Renderer {
             points: &target.points,
             is_first_band: is_first,
         };
-        lit.batches.encode(&mut recorder, &lit.light, scene)?;
+        for stage in &target.points.stages {
+            self.passes.points.encode(&mut recorder, &target.points, stage, &self.view_group, gbuffer_group);
+            recorder.end_pass("points")?;
+            lit.batches.encode(&mut recorder, &lit.light, scene, stage)?;
+        }
         let (mut exposure, mut tone_mapping) =
             (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
         if let Some(debug) = &self.debug {
@@ -234,12 +235,12 @@ impl Renderer {
             let groups = [
                 (layout::GROUP_FRAME, &lit.environment.compose),
                 (layout::GROUP_SURFACE, gbuffer_group),
-                (layout::GROUP_PASS, &target.points[0].compose_group),
+                (layout::GROUP_PASS, &target.points.compose_group),
             ];
-            compose.encode(&mut recorder, groups, sample_size);
+            compose.encode(&mut recorder, groups, size, &target.points.work);
             recorder.end_pass("compose")?;
         }
-        self.passes.resolve.encode(&mut recorder, &target.output, samples, exposure, tone_mapping);
+        self.passes.resolve.encode(&mut recorder, &target.output, target.composed, exposure, tone_mapping);
         recorder.end_pass("resolve")?;
         Ok(recorder.finish())
     }
@@ -251,7 +252,7 @@ impl Renderer {
         matrices: &CameraMatrices,
         [width, height]: [u32; 2],
     ) {
-        let (interleave, planes) = (target.gbuffer.interleave, target.points[0].planes);
+        let (interleave, plan) = (target.gbuffer.interleave, &target.points.plan);
         let Chosen { settings, unshadowed, .. } = &self.state.chosen;
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
@@ -262,11 +263,13 @@ impl Renderer {
             size: [width, height].into(),
             flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
                 | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
-                | flag(planes.specular, layout::FLAG_SPECULAR_SUMS)
-                | flag(planes.near, layout::FLAG_NEAR_SUMS),
-            shadow_sampling: settings.techniques.shadow_sampling,
+                | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
+                | flag(plan.planes.near, layout::FLAG_NEAR_SUMS),
+            supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
             interleave,
+            point_lists: plan.lists(),
+            point_list_count: plan.samplings.len() as u32,
             sum_scales: lit.batches.sum_scales(),
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
@@ -285,7 +288,7 @@ impl Renderer {
     /// Plans batches anew where the target's points ask for it, and fits lights around the scene where anything moved.
     fn fit_lights(&mut self) -> Result<(), RenderError> {
         let room = self.room_for_points();
-        if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(&room))
+        if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(room))
             && let Some(lit) = self.relit(&self.near_lights)?
         {
             self.take_lit(lit);
@@ -298,26 +301,29 @@ impl Renderer {
         Ok(())
     }
 
-    fn new_target(&self, size: [u32; 2]) -> Result<Target, RenderError> {
+    /// The lists of points for a picture of `size` pixels.
+    pub(super) fn point_plan(&self, size: [u32; 2]) -> PointPlan {
+        PointPlan::new(&self.settings().techniques, size, self.sum_planes())
+    }
+
+    /// Values along a pixel's side of what is composed.
+    fn composed(&self) -> u32 {
+        if self.debug.is_some() { self.settings().techniques.supersample } else { 1 }
+    }
+
+    fn new_target(&self, size: [u32; 2], plan: PointPlan) -> Result<Target, RenderError> {
         let gpu = &self.gpu;
-        let techniques = &self.settings().techniques;
-        let sample_size = size.map(|side| side * techniques.supersample);
+        let composed = self.composed();
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-        let [width, height] = sample_size;
-        let samples = gpu
-            .texture("samples", [width, height, 1], 1, RADIANCE_FORMAT, usage)
+        let [width, height] = size.map(|side| side * composed);
+        let values = gpu
+            .texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage)
             .create_view(&Default::default());
         Ok(Target {
-            size,
-            gbuffer: self.passes.gbuffer.target(gpu, &self.materials, sample_size, techniques.supersample),
-            points: [self.passes.points.points(
-                gpu,
-                sample_size,
-                techniques.shadow_sampling,
-                self.sum_planes(),
-                &samples,
-            )?],
-            output: self.passes.resolve.output(gpu, &samples, size),
+            gbuffer: self.passes.gbuffer.target(gpu, &self.materials, plan.sample_size, plan.supersample),
+            points: self.passes.points.points(gpu, plan, &values)?,
+            output: self.passes.resolve.output(gpu, &values, size),
+            composed,
         })
     }
 }

@@ -89,7 +89,6 @@ impl Renderer {
             same => same,
         };
         let next = self.new_state(chosen, scene, lighting)?;
-        self.keep_target_for(&next.chosen);
         self.state = next;
         self.bind_debug_view();
         scopes.finish()

@@ -75,7 +75,7 @@ impl Renderer {
             settings,
             view: &self.view,
         };
-        let batches = LightBatches::new(&context, &lighting, near_lights, &self.room_for_points())?;
+        let batches = LightBatches::new(&context, &lighting, near_lights, self.room_for_points())?;
         let mut groups = vec![
             (layout::GROUP_FRAME, &passes.shared.frame),
             (layout::GROUP_SURFACE, &passes.gbuffer.read_layout),
@@ -119,20 +119,9 @@ impl Renderer {
         }
     }
 
-    /// Room on the target's lists of shading points; none before there is one.
-    pub(super) fn room_for_points(&self) -> Vec<u64> {
-        self.target.iter().flat_map(|target| target.points.iter().map(|points| points.capacity)).collect()
-    }
-
-    /// Gives the target up if other settings need another one.
-    pub(super) fn keep_target_for(&mut self, chosen: &Chosen) {
-        let of = |chosen: &Chosen| {
-            let techniques = &chosen.settings.techniques;
-            (techniques.supersample, techniques.shadow_sampling)
-        };
-        if of(chosen) != of(&self.state.chosen) {
-            self.target = None;
-        }
+    /// Room for the target's shading points; none before there is one.
+    pub(super) fn room_for_points(&self) -> u64 {
+        self.target.as_ref().map_or(0, |target| target.points.capacity)
     }
 
     fn new_cache(&self, chosen: &Chosen, lobes: Vec<layout::CachedLobe>) -> RadianceCache {

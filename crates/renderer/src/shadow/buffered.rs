@@ -72,7 +72,13 @@ impl ShadowTechnique for Buffered {
         let pass_layout = gpu.layout(
             "visibility",
             wgpu::ShaderStages::COMPUTE,
-            &[(0, read), (1, read), (2, Binding::Uniform), (3, Binding::Storage { read_only: false })],
+            &[
+                (0, read),
+                (1, read),
+                (2, Binding::Uniform),
+                (3, Binding::Storage { read_only: false }),
+                (4, Binding::Uniform),
+            ],
         );
         let module = gpu.shader("visibility", &[("shadow", self.0.module(context.settings))])?;
         let shared = context.shared;
@@ -133,15 +139,16 @@ impl ShadowResources for Resources {
 
     fn prepare(&self, recorder: &mut Recorder<'_>, frame: &FrameInputs<'_>) -> Result<(), RenderError> {
         self.inline.prepare(recorder, frame)?;
-        let points = frame.points;
+        let (points, stage) = (frame.points, frame.stage);
         let pass_group = self.gpu.bind_group(
             "visibility",
             &self.pass_layout,
             &[
                 (0, points.list.as_entire_binding()),
-                (1, points.dispatch.as_entire_binding()),
+                (1, points.work.as_entire_binding()),
                 (2, self.buffer.point_count.as_entire_binding()),
                 (3, self.buffer.entries.as_entire_binding()),
+                (4, stage.uniform.as_entire_binding()),
             ],
         );
         {
@@ -154,7 +161,7 @@ impl ShadowResources for Resources {
                 (layout::GROUP_PASS, &pass_group),
             ];
             set_groups(&mut pass, &groups);
-            pass.dispatch_workgroups_indirect(&points.dispatch, 0);
+            pass.dispatch_workgroups_indirect(&points.work, stage.dispatch_offset);
         }
         recorder.end_pass("visibility")
     }

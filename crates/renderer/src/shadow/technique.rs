@@ -11,7 +11,7 @@ use crate::casters::DrawnCasters;
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::recorder::Recorder;
-use crate::shading_points::ShadingPoints;
+use crate::shading_points::{PointStage, ShadingPoints};
 use crate::{Gpu, RenderError};
 
 /// A way to tell how much of a light a point sees.
@@ -110,9 +110,11 @@ pub(crate) struct FrameInputs<'a> {
     pub gbuffer: &'a wgpu::BindGroup,
     /// Where these lights are summed.
     pub points: &'a ShadingPoints,
+    /// Those of them that are lit now.
+    pub stage: &'a PointStage,
     pub lights: FrameLights<'a>,
-    /// Whether scene and lights are what they were in the call before, so that only what depends on view and points is to be made: another
-    /// band of the same picture.
+    /// Whether scene and lights are what they were in the call before, so that only what depends on view and points is to be made: more
+    /// points, another band of the same picture.
     pub same_lights: bool,
 }
 

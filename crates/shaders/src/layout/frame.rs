@@ -45,6 +45,21 @@ super::constants! {
     /// [`Batch::flags`]: nothing has been summed before.
     pub const FLAG_FIRST: u32 = 1;
 
+    /// Words of the buffer that keeps account of points: points listed so far, by all stages.
+    pub const WORK_POINTS: u32 = 0;
+    /// Pixels whose samples are composed one by one.
+    pub const WORK_EDGES: u32 = 1;
+    /// For each stage [`WORK_STAGE`] words: arguments of an indirect dispatch (x, y, 1), the point after its last one, its first one.
+    pub const WORK_STAGES: u32 = 4;
+    /// See [`WORK_STAGES`].
+    pub const WORK_STAGE: u32 = 8;
+    /// Most stages: two for each of [`View::point_lists`].
+    pub const MAX_POINT_STAGES: u32 = 4;
+    /// Arguments of the dispatch over edge pixels, and their number.
+    pub const WORK_EDGE_DISPATCH: u32 = 36;
+    /// A word for every pixel that tells whether it is an edge pixel, then the list of those.
+    pub const WORK_PIXELS: u32 = 40;
+
     /// Index of no point.
     pub const NO_POINT: u32 = u32::MAX;
 
@@ -63,16 +78,21 @@ super::structs! {
         pub world_from_clip: Mat4,
         /// xyz: eye position (w = 1, perspective) or direction to the viewer (w = 0, parallel).
         pub eye_world: Vec4,
+        /// Lists of shading points, the coarsest first; the picture is made of the last one. Uniform buffers
+        /// have structs at multiples of 16 bytes.
+        pub point_lists: [PointList; 2],
         /// Picture size in samples.
         pub size: UVec2,
         /// FLAG constants.
         pub flags: u32,
-        /// Samples of the picture along the side of a tile of the shadow buffer.
-        pub shadow_sampling: u32,
+        /// Samples along the side of a pixel.
+        pub supersample: u32,
         /// Distance in the world from a sample to the next, across the view at a distance of 1 or in a parallel view.
         pub sample_extent: f32,
         /// The G-buffer is drawn in so many parts a side, each with every so manyth sample: 1 or 2.
         pub interleave: u32,
+        /// How many there are.
+        pub point_list_count: u32,
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
         pub sum_scales: Vec3,
         /// SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
@@ -81,6 +101,30 @@ super::structs! {
         pub full_sh: [Vec4; 9],
         /// Rotation of directions: the environment's maps and coefficients stay as they are when it turns.
         pub environment_from_world: Mat4,
+    }
+
+    /// Shading points that some lights are summed at. A list takes the sums of the one before over and adds its own lights.
+    pub struct PointList {
+        /// Samples along the side of a tile that one point stands for.
+        pub sampling: u32,
+        /// Where its tiles begin in the buffer of all lists' tiles.
+        pub first_tile: u32,
+        /// The stage that lists its first points: [`WORK_STAGES`].
+        pub first_stage: u32,
+        /// Uniform arrays take steps of 16 bytes.
+        pub reserved: u32,
+    }
+
+    /// A step of listing points, each followed by the sum of light there.
+    pub struct PointStage {
+        /// Place in [`View::point_lists`].
+        pub list: u32,
+        /// Place among all stages.
+        pub stage: u32,
+        /// Samples along the side of a block of which a sample may stand for others.
+        pub block: u32,
+        /// Least change of visibility between neighbouring points for which there are more.
+        pub contrast: f32,
     }
 
     /// A uniform area light and its shadow map's frame. The outline of a light in the scene is given as it would look straight on from
