@@ -1,5 +1,7 @@
 //! Materials and their textures on the GPU.
 
+use std::sync::Arc;
+
 use glam::{UVec2, Vec4};
 use gnomon_brdf::ROUGHNESS;
 use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureRef, Wrap};
@@ -22,6 +24,16 @@ pub(crate) struct Materials {
     bind_groups: Vec<wgpu::BindGroup>,
     plan: Plan,
     used: Vec<Vec<TextureUse>>,
+    /// What the texture arrays hold.
+    uploaded: Vec<Arc<Texture>>,
+    /// Parameters that the next frame takes over.
+    changed: Option<MaterialRecords>,
+}
+
+/// What the GPU knows of materials beside their textures' texels.
+pub(crate) struct MaterialRecords {
+    records: Vec<layout::Material>,
+    textures: Vec<layout::MaterialTexture>,
 }
 
 /// The G-buffer numbers materials with 16 bits.
@@ -82,7 +94,7 @@ impl Materials {
             |needed| over("sizes and wrappings of one material's textures", needed as u64, slots.into()),
         )?;
 
-        let (records, references) = records(scene, &plan);
+        let MaterialRecords { records, textures: references } = records(scene, &plan);
         let storage = wgpu::BufferUsages::STORAGE;
         let records = gpu.shared_buffer("materials", records.as_slice(), storage);
         let references = gpu.shared_buffer("material textures", references.as_slice(), storage);
@@ -108,19 +120,38 @@ impl Materials {
             }
             gpu.bind_group("materials", layout, &resources)
         });
-        Ok(Self { bind_groups: bind_groups.collect(), records, textures: references, plan, used })
+        Ok(Self {
+            bind_groups: bind_groups.collect(),
+            records,
+            textures: references,
+            plan,
+            used,
+            uploaded: scene.textures.clone(),
+            changed: None,
+        })
     }
 
-    /// Takes new parameters of the same materials over, for the next frame; `false` where their number or a texture is another.
-    pub fn rewrite(&self, gpu: &Gpu, scene: &Scene) -> bool {
+    /// New parameters of the same materials; `None` where their number or a texture is another.
+    pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
-        if !scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned()) {
-            return false;
+        let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
+        let mut textures = scene.textures.iter().zip(&self.uploaded);
+        let same_textures =
+            scene.textures.len() == self.uploaded.len() && textures.all(|(new, is)| Arc::ptr_eq(new, is));
+        (same_uses && same_textures).then(|| records(scene, &self.plan))
+    }
+
+    /// Takes such parameters over, for the next frame.
+    pub fn change(&mut self, records: MaterialRecords) {
+        self.changed = Some(records);
+    }
+
+    /// Brings what has changed to the GPU.
+    pub fn upload(&mut self, gpu: &Gpu) {
+        if let Some(MaterialRecords { records, textures }) = self.changed.take() {
+            gpu.write(&self.records, records.as_slice());
+            gpu.write(&self.textures, textures.as_slice());
         }
-        let (records, textures) = records(scene, &self.plan);
-        gpu.write(&self.records, records.as_slice());
-        gpu.write(&self.textures, textures.as_slice());
-        true
     }
 
     /// The number of one of the scene's materials, or of the default one.
@@ -135,7 +166,7 @@ impl Materials {
 }
 
 /// Of every material, the default one last.
-fn records(scene: &Scene, plan: &Plan) -> (Vec<layout::Material>, Vec<layout::MaterialTexture>) {
+fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
     let (mut records, mut references) = (Vec::new(), Vec::new());
     let default = Material::default();
     for (number, material) in scene.materials.iter().chain([&default]).enumerate() {
@@ -158,7 +189,7 @@ fn records(scene: &Scene, plan: &Plan) -> (Vec<layout::Material>, Vec<layout::Ma
         let end_texture = references.len() as u32;
         records.push(layout::Material { first_texture, end_texture, ..record(material) });
     }
-    (records, references)
+    MaterialRecords { records, textures: references }
 }
 
 /// A material without its textures.
