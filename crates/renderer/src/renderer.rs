@@ -116,7 +116,7 @@ impl Renderer {
                 lit: None,
             },
             geometry: Geometry::new(gpu, &passes.transform, &scene, None)?,
-            materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
+            materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene, None)?,
             passes,
             near_lights: Vec::new(),
             surfaces: Vec::new(),

@@ -331,7 +331,7 @@ mod tests {
         let before = scene.material(ground).clone();
         scene.set_reflectance(&"phong:shininess=9,specular=0.7,diffuse=0.6".parse().unwrap());
         assert_eq!(scene.material(ground), &before);
-        let boxes = scene.material(crate::MeshId(0));
+        let boxes = scene.material(MeshId(0));
         assert_eq!((boxes.surface.model, boxes.surface.shininess), (Model::Phong, 9.0));
         assert_eq!(scene.warnings.len(), 1);
         assert!(

@@ -7,7 +7,7 @@ use gnomon_envmap::Equirect;
 use gnomon_lights::FitOptions;
 use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
-use crate::environment::load_environment;
+use crate::environment::environment_of;
 use crate::look::{AnimationLook, CameraLook};
 use crate::pose::{pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
@@ -120,7 +120,7 @@ impl Stage {
     /// # Errors
     /// A scene without environment, files that cannot be used, names of nothing.
     pub fn new(project: Project) -> Result<Self, StudioError> {
-        let (map, warnings) = load_environment(&project.look.environment)?;
+        let (map, warnings) = environment_of(&project.source, &project.look.environment)?;
         Self::under(project, Arc::new(map), warnings)
     }
 
@@ -133,7 +133,7 @@ impl Stage {
         environment: Arc<Equirect>,
         mut warnings: Vec<String>,
     ) -> Result<Self, StudioError> {
-        let Project { source, scene, look } = project;
+        let Project { source, scene, look, .. } = project;
         check_rotation(&look)?;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
         let loaded = Loaded::new(scene, look.picture.aspect());
@@ -264,7 +264,7 @@ impl Stage {
         let (was, new) = (&self.look.environment, &look.environment);
         let map = match (&was.source, &was.projection) == (&new.source, &new.projection) {
             true => None,
-            false => Some(load_environment(new)?),
+            false => Some(environment_of(&self.source, new)?),
         };
         (*self, _) = self.with_look(look)?;
         if let Some((map, warnings)) = map {

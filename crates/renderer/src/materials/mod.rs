@@ -9,7 +9,7 @@ use gnomon_shaders::layout;
 
 mod arrays;
 
-use arrays::{Plan, TextureArray, TextureUse};
+use arrays::{Plan, TextureArray, TextureUse, same_textures};
 
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::{Gpu, RenderError};
@@ -24,8 +24,9 @@ pub(crate) struct Materials {
     bind_groups: Vec<wgpu::BindGroup>,
     plan: Plan,
     used: Vec<Vec<TextureUse>>,
-    /// What the texture arrays hold.
-    uploaded: Vec<Arc<Texture>>,
+    /// Of the scene.
+    scene_textures: Vec<Arc<Texture>>,
+    arrays: Vec<TextureArray>,
     /// Parameters that the next frame takes over.
     changed: Option<MaterialRecords>,
 }
@@ -72,7 +73,13 @@ pub(crate) fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 }
 
 impl Materials {
-    pub fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, scene: &Scene) -> Result<Self, RenderError> {
+    /// The materials of a scene. Arrays of the same textures, by their `Arc`, are those that `before` has.
+    pub fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        scene: &Scene,
+        before: Option<&Self>,
+    ) -> Result<Self, RenderError> {
         let over = |what, wanted: u64, limit: u64| RenderError::OverLimit {
             what,
             wanted,
@@ -102,19 +109,23 @@ impl Materials {
             .arrays
             .iter()
             .filter_map(|layers| {
-                let first = layers.first()?;
-                let of_layers = layers.iter().map(|layer| scene.textures[layer.texture.0].as_ref());
-                Some(TextureArray::new(gpu, &scene.textures[first.texture.0], first.srgb, of_layers))
+                let srgb = layers.first()?.srgb;
+                let of_layers: Vec<_> =
+                    layers.iter().map(|layer| Arc::clone(&scene.textures[layer.texture.0])).collect();
+                let mut known = before.into_iter().flat_map(|before| &before.arrays);
+                let same = known.find(|array| array.holds(&of_layers, srgb)).cloned();
+                same.or_else(|| TextureArray::new(gpu, of_layers, srgb))
             })
             .collect();
         // For slots that a set leaves free.
         let black =
             Texture { width: 1, height: 1, rgba8: vec![[0; 4]], wrap: [Wrap::Repeat; 2], nearest: false };
-        let free = TextureArray::new(gpu, &black, false, [&black].into_iter());
+        let free = TextureArray::new(gpu, vec![Arc::new(black)], false);
         let bind_groups = plan.sets.iter().map(|set| {
             let mut resources = vec![(0, records.as_entire_binding()), (1, references.as_entire_binding())];
             for slot in 0..slots {
-                let array = set.get(slot as usize).map_or(&free, |&array| &arrays[array]);
+                let array = set.get(slot as usize).map(|&array| &arrays[array]).or(free.as_ref());
+                let Some(array) = array else { continue };
                 resources.push((2 * slot + 2, wgpu::BindingResource::TextureView(&array.view)));
                 resources.push((2 * slot + 3, wgpu::BindingResource::Sampler(&array.sampler)));
             }
@@ -126,7 +137,8 @@ impl Materials {
             textures: references,
             plan,
             used,
-            uploaded: scene.textures.clone(),
+            scene_textures: scene.textures.clone(),
+            arrays,
             changed: None,
         })
     }
@@ -135,10 +147,7 @@ impl Materials {
     pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
         let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
-        let mut textures = scene.textures.iter().zip(&self.uploaded);
-        let same_textures =
-            scene.textures.len() == self.uploaded.len() && textures.all(|(new, is)| Arc::ptr_eq(new, is));
-        (same_uses && same_textures).then(|| records(scene, &self.plan))
+        (same_uses && same_textures(&scene.textures, &self.scene_textures)).then(|| records(scene, &self.plan))
     }
 
     /// Takes such parameters over, for the next frame.

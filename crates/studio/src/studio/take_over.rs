@@ -17,6 +17,8 @@ pub(super) struct SceneRequest {
     look: Look,
     environment: Arc<Equirect>,
     lit_for: LightingKey,
+    /// Whether a program gave the files of the scene before.
+    was_given: bool,
 }
 
 /// A scene ready for the device.
@@ -31,7 +33,10 @@ impl SceneRequest {
     pub fn work_out(self) -> Result<LoadedStage, StudioError> {
         let asked_for = self.look.clone();
         let project = Project::open_source(self.source, self.look, &Given::default())?;
-        let stage = match self.lit_for.same_map(&LightingKey::of(&project.look, false)) {
+        // The files that two programs give may be others of one name.
+        let is_given = self.was_given || matches!(project.source, SceneSource::Files(_));
+        let is_same = self.lit_for.same_map(&LightingKey::of(&project.look, false));
+        let stage = match is_same && !(is_given && project.brings_environment) {
             true => Stage::under(project, self.environment, Vec::new())?,
             false => Stage::new(project)?,
         };
@@ -49,6 +54,7 @@ impl Studio {
             look: self.look().clone(),
             environment: Arc::clone(self.stage.environment()),
             lit_for: self.lit_for.clone(),
+            was_given: matches!(self.stage.source(), SceneSource::Files(_)),
         });
     }
 
@@ -61,7 +67,7 @@ impl Studio {
 
     /// Reads the look's environment anew on a thread: after its file has changed, or to end a stream.
     pub fn reload_environment(&mut self) {
-        self.request_lighting_by(MapSource::Unread);
+        self.request_lighting_by(MapSource::Unread(self.stage.source().clone()));
     }
 
     /// Whether lights or a scene are worked on.
@@ -119,7 +125,7 @@ impl Studio {
     pub(super) fn request_lighting(&mut self) {
         self.request_lighting_by(match self.lit_for.same_map(&self.wanted_lighting()) {
             true => MapSource::Loaded(Arc::clone(self.stage.environment())),
-            false => MapSource::Unread,
+            false => MapSource::Unread(self.stage.source().clone()),
         });
     }
 
