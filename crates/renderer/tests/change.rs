@@ -136,7 +136,7 @@ fn a_change_that_fails_leaves_no_trace() {
     let of_scene = |scene| Change { scene: Some(scene), ..good() };
     let refused: [(&str, Change<'_>); 13] = [
         ("candles", of_settings(with(|s| s.techniques.shadows = "candles".to_owned()))),
-        ("texels", of_settings(with(|s| s.techniques.shadow_resolution = 100))),
+        ("shadow-resolution", of_settings(with(|s| s.techniques.shadow_resolution = 100))),
         ("exposure", of_settings(with(|s| s.display.exposure = Some(1e3)))),
         ("FLOAT32_FILTERABLE", of_settings(with(|s| s.techniques.shadows = "moments".to_owned()))),
         (

@@ -147,7 +147,8 @@ impl Materials {
     pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
         let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
-        (same_uses && same_textures(&scene.textures, &self.scene_textures)).then(|| records(scene, &self.plan))
+        (same_uses && same_textures(&scene.textures, &self.scene_textures))
+            .then(|| records(scene, &self.plan))
     }
 
     /// Takes such parameters over, for the next frame.

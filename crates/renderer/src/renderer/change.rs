@@ -177,7 +177,8 @@ impl Renderer {
             next.materials = Some(match self.materials.records_of(scene) {
                 Some(records) => NextMaterials::Changed(records),
                 None => {
-                    let materials = Materials::new(gpu, &passes.gbuffer.material_layout, scene, Some(&self.materials))?;
+                    let materials =
+                        Materials::new(gpu, &passes.gbuffer.material_layout, scene, Some(&self.materials))?;
                     let group = |target: &Target| passes.gbuffer.group_with(gpu, &target.gbuffer, &materials);
                     NextMaterials::New {
                         gbuffer: self.target.as_ref().map(group),
