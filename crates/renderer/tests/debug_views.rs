@@ -114,7 +114,7 @@ fn visibility_through_a_buffer_is_shown_as_inline_visibility_is() {
     let lights = (0..10).map(|i| DistantLight::disk(direction(i), 0.2, DVec3::splat(0.01)));
     let set = LightSet::new("test", lights.collect(), no_light());
     for sampling in [1, 2] {
-        // In a batch of its own a light takes other points of its outline: where batches hidden, points of the outline must not count.
+        // In a batch of its own a light takes other points of its outline: where batches differ, points of the outline must not count.
         for (shadows, memory) in [("hard", 1), ("pcss", 64)] {
             let with = |visibility| {
                 settings().with(|s| {
