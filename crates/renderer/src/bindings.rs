@@ -213,15 +213,21 @@ impl Gpu {
 
     /// Writes a shared value or a slice of them to the start of a buffer.
     pub(crate) fn write<T: Shared + ?Sized>(&self, buffer: &wgpu::Buffer, value: &T) {
-        self.queue.write_buffer(buffer, 0, &layout::bytes(value));
+        self.write_bytes(buffer, 0, &layout::bytes(value));
+    }
+
+    /// Writes bytes to a buffer.
+    pub(crate) fn write_bytes(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+        if !bytes.is_empty() {
+            self.count_upload(bytes);
+            self.queue.write_buffer(buffer, offset, bytes);
+        }
     }
 
     /// A buffer that holds `bytes`; never empty, because an empty buffer cannot be bound.
     pub(crate) fn buffer_with(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.empty_buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
-        if !bytes.is_empty() {
-            self.queue.write_buffer(&buffer, 0, bytes);
-        }
+        self.write_bytes(&buffer, 0, bytes);
         buffer
     }
 
@@ -262,6 +268,7 @@ impl Gpu {
         [width, height]: [u32; 2],
         bytes: &[u8],
     ) {
+        self.count_upload(bytes);
         self.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,

@@ -42,6 +42,8 @@ impl InstanceBox {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlacedBoxes {
     pub boxes: Vec<PlacedBox>,
+    /// Around all of them.
+    pub around: Option<Bounds>,
     /// What is no farther from a plane lies in it [m].
     pub tolerance: f32,
 }
@@ -69,7 +71,7 @@ impl PlacedBoxes {
             scale: greatest_scale(&boxes[index].world_from_mesh),
             ground: Ground::of(&boxes[index], index, &all_corners, tolerance),
         };
-        Self { boxes: all_corners.iter().enumerate().map(placed).collect(), tolerance }
+        Self { boxes: all_corners.iter().enumerate().map(placed).collect(), around, tolerance }
     }
 
     /// What can cast a shadow: of all indices up to `end` and the simpler ones behind them.

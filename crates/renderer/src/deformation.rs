@@ -8,15 +8,24 @@ use gnomon_shaders::layout;
 
 /// The records of all meshes' vertices, as `transform.wgsl` reads them.
 pub(crate) struct Records {
-    /// Word 0 belongs to nobody: a vertex with record 0 is rigid.
     pub words: Vec<u32>,
+    /// Number of the first of them.
+    first_word: u32,
     /// By mesh, the record of each vertex.
     known: HashMap<usize, Vec<u32>>,
 }
 
 impl Records {
-    pub fn new() -> Self {
-        Self { words: vec![0], known: HashMap::new() }
+    /// Records that follow so many words.
+    pub fn after(first_word: u32) -> Self {
+        // Word 0 belongs to nobody: a vertex with record 0 is rigid.
+        let words = if first_word == 0 { vec![0] } else { Vec::new() };
+        Self { words, first_word, known: HashMap::new() }
+    }
+
+    /// Number of words, with those before.
+    pub fn end(&self) -> u64 {
+        u64::from(self.first_word) + self.words.len() as u64
     }
 
     /// Where the record of each vertex of a mesh begins; empty for a mesh that nothing deforms. `None` where there are
@@ -26,7 +35,7 @@ impl Records {
             let mut starts = Vec::new();
             if !mesh.influences.is_empty() || !mesh.targets.is_empty() {
                 for vertex in 0..mesh.positions.len() {
-                    starts.push(u32::try_from(self.words.len()).ok()?);
+                    starts.push(u32::try_from(self.end()).ok()?);
                     self.push(mesh, vertex);
                 }
             }
@@ -55,6 +64,7 @@ impl Records {
 
 /// What a pose brings to the GPU.
 pub(crate) struct PoseData {
+    /// By the numbers of instances.
     pub instances: Vec<layout::Instance>,
     /// `world_from_bind` of the joints of all skins.
     pub joints: Vec<[[f32; 4]; 4]>,
@@ -63,7 +73,8 @@ pub(crate) struct PoseData {
 }
 
 impl PoseData {
-    pub fn new(scene: &Scene, pose: &Pose, placed: &[Instance]) -> Self {
+    /// `numbers` are those that the vertices of each placed mesh know their instance by.
+    pub fn new(scene: &Scene, pose: &Pose, placed: &[Instance], numbers: &[u32]) -> Self {
         let mut joints = Vec::new();
         let mut first_joints = Vec::with_capacity(pose.world_from_bind.len());
         for skin in &pose.world_from_bind {
@@ -71,19 +82,18 @@ impl PoseData {
             joints.extend(skin.iter().map(|&joint| Mat4::from(joint).to_cols_array_2d()));
         }
         let mut weights = Vec::new();
-        let instances = placed
-            .iter()
-            .map(|instance| {
-                let first_weight = weights.len() as u32;
-                weights.extend(scene.morph_weights(instance));
-                layout::Instance {
-                    world_from_mesh: Mat4::from(instance.world_from_mesh),
-                    normal_from_mesh: Mat4::from_mat3(normal_matrix(&instance.world_from_mesh)),
-                    first_joint: instance.skin.map_or(layout::NO_SKIN, |skin| first_joints[skin.0]),
-                    first_weight,
-                }
-            })
-            .collect();
+        let count = numbers.iter().max().map_or(0, |last| *last as usize + 1);
+        let mut instances = vec![layout::Instance::default(); count];
+        for (instance, number) in placed.iter().zip(numbers) {
+            let first_weight = weights.len() as u32;
+            weights.extend(scene.morph_weights(instance));
+            instances[*number as usize] = layout::Instance {
+                world_from_mesh: Mat4::from(instance.world_from_mesh),
+                normal_from_mesh: Mat4::from_mat3(normal_matrix(&instance.world_from_mesh)),
+                first_joint: instance.skin.map_or(layout::NO_SKIN, |skin| first_joints[skin.0]),
+                first_weight,
+            };
+        }
         // A binding holds at least one element.
         if joints.is_empty() {
             joints.push(Mat4::IDENTITY.to_cols_array_2d());

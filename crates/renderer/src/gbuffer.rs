@@ -37,9 +37,9 @@ impl GBufferPass {
         GBuffer { interleave, size, depth, images, group }
     }
 
-    /// Lets the passes over the screen read other materials.
-    pub fn take_materials(&self, gpu: &Gpu, target: &mut GBuffer, materials: &Materials) {
-        target.group = self.read_group(gpu, materials, &target.depth, &target.images);
+    /// Surface bind group of the passes over the screen with other materials.
+    pub fn group_with(&self, gpu: &Gpu, target: &GBuffer, materials: &Materials) -> wgpu::BindGroup {
+        self.read_group(gpu, materials, &target.depth, &target.images)
     }
 
     fn read_group(
@@ -169,13 +169,7 @@ impl GBufferPass {
         }
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(layout::GROUP_FRAME, view_group, &[]);
-        let buffers = [
-            &geometry.positions_world,
-            &geometry.normals_world,
-            &geometry.tangents_world,
-            &geometry.static_attributes,
-        ];
-        for (slot, buffer) in (0..).zip(buffers) {
+        for (slot, buffer) in (0..).zip(geometry.vertex_buffers()) {
             pass.set_vertex_buffer(slot, buffer.slice(..));
         }
         pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);

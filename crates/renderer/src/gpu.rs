@@ -1,3 +1,4 @@
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 #[cfg(not(target_arch = "wasm32"))]
 use std::task::{Context, Poll, Waker};
@@ -25,6 +26,7 @@ pub struct Gpu {
     pub(crate) compiled: Arc<Compiled>,
     summary: Arc<AdapterSummary>,
     faults: Arc<Mutex<Faults>>,
+    uploaded: Arc<AtomicU64>,
     /// Once it was found out, see [`crate::MeasureSettings::profile`].
     pub(crate) stamps_are_true: Arc<OnceLock<bool>>,
 }
@@ -80,6 +82,7 @@ impl Gpu {
             compiled: Arc::default(),
             summary: Arc::new(summarise(adapter)),
             faults: Arc::default(),
+            uploaded: Arc::default(),
             stamps_are_true: Arc::default(),
         })
     }
@@ -126,6 +129,15 @@ impl Gpu {
     /// The adapter in use.
     pub fn adapter(&self) -> &AdapterSummary {
         &self.summary
+    }
+
+    /// Bytes that this library has uploaded to buffers and textures of the device: a difference tells what a change or a frame costs.
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.uploaded.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn count_upload(&self, bytes: &[u8]) {
+        self.uploaded.fetch_add(bytes.len() as u64, Ordering::Relaxed);
     }
 
     /// Largest number of texture array layers: the bound on shadow maps.

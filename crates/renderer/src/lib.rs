@@ -47,7 +47,7 @@ pub use gpu::{AdapterSummary, Gpu, GpuOptions};
 pub use lighting::PreparedLighting;
 pub use present::Presenter;
 pub use recorder::PassTiming;
-pub use renderer::{Frame, Renderer, TimedFrame};
+pub use renderer::{Change, Frame, LightingChange, Renderer, SceneChange, TimedFrame};
 pub use settings::{DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings};
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

@@ -41,13 +41,15 @@ impl RadianceCache {
         Self { lobes, resolution, samples, parameters, maps }
     }
 
-    /// Takes other lobes for the next frame; `false` where they are more or fewer than before.
-    pub fn rewrite(&mut self, lobes: &[layout::CachedLobe]) -> bool {
-        let same = lobes.len() == self.lobes.len();
-        if same {
-            self.lobes.copy_from_slice(lobes);
-        }
-        same
+    /// Whether as many lobes as these can take the place of its own.
+    pub fn has_room_for(&self, lobes: &[layout::CachedLobe]) -> bool {
+        lobes.len().min(layout::MAX_CACHED_LOBES as usize) == self.lobes.len()
+    }
+
+    /// Takes other lobes for the next frame, where [`RadianceCache::has_room_for`] them.
+    pub fn rewrite(&mut self, mut lobes: Vec<layout::CachedLobe>) {
+        lobes.truncate(self.lobes.len());
+        self.lobes = lobes;
     }
 
     /// Takes the frame's direction to the viewer, and how the environment is turned.

@@ -1,16 +1,13 @@
 use glam::Quat;
 
-use gnomon_envmap::Equirect;
-use gnomon_lights::LightSet;
+use gnomon_brdf::Surface;
 use gnomon_picture::RgbImage;
-use gnomon_scene::{Bounds, PlacedLight, Scene};
+use gnomon_scene::{PlacedLight, Scene};
 use gnomon_shaders::layout;
 
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
-use crate::lighting::PreparedLighting;
-use crate::lod::LevelOfDetail;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::recorder::PassTiming;
@@ -22,14 +19,15 @@ use crate::shadow::technique::SharedPasses;
 use crate::{Gpu, RenderError};
 
 mod bands;
+mod change;
 mod debug;
 mod display;
 mod draw;
-mod live;
-mod materials;
+mod set;
 mod state;
 mod timing;
 
+pub use change::{Change, LightingChange, SceneChange};
 use state::{Lit, State};
 use timing::FramesInFlight;
 pub use timing::TimedFrame;
@@ -50,10 +48,9 @@ pub struct Renderer {
     passes: Passes,
     geometry: Geometry,
     materials: Materials,
-    bounds: Option<Bounds>,
     near_lights: Vec<PlacedLight>,
-    /// Whether any material is.
-    is_glossy: bool,
+    /// Of every material.
+    surfaces: Vec<Surface>,
     world_from_environment: Quat,
     state: State,
     target: Option<Target>,
@@ -120,11 +117,10 @@ impl Renderer {
                 lit: None,
             },
             geometry: Geometry::new(gpu, &passes.transform, &scene, None)?,
-            materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene)?,
+            materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene, None)?,
             passes,
-            bounds: None,
             near_lights: Vec::new(),
-            is_glossy: false,
+            surfaces: Vec::new(),
             world_from_environment: Quat::IDENTITY,
             target: None,
             debug: None,
@@ -134,76 +130,5 @@ impl Renderer {
         };
         scopes.finish()?;
         Ok(renderer)
-    }
-
-    /// Takes a scene over: its triangles, materials, textures and area lights.
-    ///
-    /// # Errors
-    /// [`RenderError::OverLimit`] where the adapter cannot hold it; the scene before it then stays.
-    pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let scopes = self.gpu.catch_errors();
-        let geometry = Geometry::new(&self.gpu, &self.passes.transform, scene, Some(&self.geometry))?;
-        let materials = Materials::new(&self.gpu, &self.passes.gbuffer.material_layout, scene)?;
-        self.set_near_lights(scene)?;
-        self.geometry = geometry;
-        self.take_materials(materials);
-        self.bounds = self.geometry.bounds();
-        self.take_lobes(scene);
-        scopes.finish()
-    }
-
-    /// Takes a new pose of the scene that was set last (node transforms, joints, morph weights) without an upload of its meshes.
-    /// A scene with other meshes is taken over whole.
-    ///
-    /// Vertices move on the GPU. What the CPU needs of a deformed mesh, the place of its shadow maps, follows from boxes around
-    /// each joint's vertices: it may be larger than the mesh, and its shadows somewhat coarser than those of a rigid one.
-    ///
-    /// # Errors
-    /// As [`Renderer::set_scene`].
-    pub fn move_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let scopes = self.gpu.catch_errors();
-        if !self.geometry.take_pose(&self.gpu, scene)? {
-            return self.set_scene(scene);
-        }
-        self.bounds = self.geometry.bounds();
-        self.set_near_lights(scene)?;
-        scopes.finish()
-    }
-
-    /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.
-    ///
-    /// # Errors
-    /// [`RenderError::OverLimit`] where the adapter cannot hold that many lights or so large a map.
-    pub fn set_lighting(&mut self, map: &Equirect, set: &LightSet) -> Result<(), RenderError> {
-        self.set_prepared_lighting(PreparedLighting::new(map, set, self.settings())?)
-    }
-
-    /// Takes another level of detail over: `set` is another fit to the environment that was given last, with as many lights as
-    /// `level` says.
-    ///
-    /// # Errors
-    /// [`RenderError::Option`] for a setting that [`RenderSettings`] does not allow, otherwise as [`Renderer::set_lighting`].
-    pub fn set_level_of_detail(&mut self, level: LevelOfDetail, set: &LightSet) -> Result<(), RenderError> {
-        let LevelOfDetail { shadow_resolution, shadow_sampling, .. } = level;
-        let techniques = &self.settings().techniques;
-        let sharp = (shadow_sampling * techniques.sharp_shadow_sampling / techniques.shadow_sampling).clamp(1, 32);
-        let chosen = Chosen::new(
-            &self.gpu,
-            self.settings().clone().with(|s| {
-                s.techniques.shadow_resolution = shadow_resolution;
-                s.techniques.shadow_sampling = shadow_sampling;
-                s.techniques.sharp_shadow_sampling = sharp;
-            }),
-        )?;
-        let scopes = self.gpu.catch_errors();
-        let Some(lit) = &self.state.lit else {
-            return Err(RenderError::Device("no lighting was set".to_owned()));
-        };
-        let ambient = chosen.ambient.lights(set, chosen.settings.lighting.ambient_cells)?;
-        let lighting = lit.lighting.clone().with_lights(&self.gpu, ambient);
-        let lit = self.lit(&chosen, (&self.state.compose, &self.state.cache), lighting, &self.near_lights)?;
-        self.state.chosen = chosen;
-        self.take_lit(lit);
-        scopes.finish()
     }
 }

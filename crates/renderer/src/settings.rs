@@ -1,6 +1,6 @@
+use gnomon_brdf::Surface;
 use gnomon_options::{Group, Options, choice, number, power_of_two, settings, whole, yes_no};
 use gnomon_picture::tonemap::ToneMapping;
-use gnomon_scene::Scene;
 use gnomon_shaders::layout::CachedLobe;
 
 use crate::ambient::{self, Ambient};
@@ -150,10 +150,16 @@ impl Chosen {
         })
     }
 
-    /// The lobes of a scene's materials that the radiance cache is for.
-    pub fn cached_lobes(&self, scene: &Scene) -> Vec<CachedLobe> {
+    /// Takes over what `lighting` was worked out with for the ambient rest.
+    pub fn take_rest(&mut self, ambient: &'static Ambient, ambient_cells: usize) {
+        self.ambient = ambient;
+        self.settings.lighting = LightingSettings { ambient: ambient.name.to_owned(), ambient_cells };
+    }
+
+    /// The lobes of a scene's surfaces that the radiance cache is for.
+    pub fn cached_lobes(&self, surfaces: &[Surface]) -> Vec<CachedLobe> {
         match self.compositing.needs_unshadowed {
-            true => self.unshadowed.cached_lobes(scene),
+            true => self.unshadowed.cached_lobes(surfaces),
             false => Vec::new(),
         }
     }

@@ -1,8 +1,8 @@
 //! Where the unshadowed light that shadows are taken from comes from, side by side on one interface (DeCoro and Rusinkiewicz 2008,
 //! section 3.1).
 
+use gnomon_brdf::Surface;
 use gnomon_options::Choice;
-use gnomon_scene::Scene;
 use gnomon_shaders::layout::CachedLobe;
 
 use crate::RenderError;
@@ -21,10 +21,10 @@ pub struct Unshadowed {
 }
 
 impl Unshadowed {
-    /// The lobes of a scene's materials that are looked up in the radiance cache, each once. The default material has none.
-    pub(crate) fn cached_lobes(&self, scene: &Scene) -> Vec<CachedLobe> {
+    /// The lobes of a scene's surfaces that are looked up in the radiance cache, each once. The default material has none.
+    pub(crate) fn cached_lobes(&self, surfaces: &[Surface]) -> Vec<CachedLobe> {
         let mut lobes: Vec<CachedLobe> = Vec::new();
-        for surface in scene.materials.iter().map(|material| &material.surface) {
+        for surface in surfaces {
             let cached = self.caches_prefiltered || !surface.model.is_prefiltered();
             let lobe = CachedLobe { model: surface.model as u32, shape: surface.shape() };
             if cached && !surface.is_matte() && !lobes.contains(&lobe) {

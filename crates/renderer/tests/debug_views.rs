@@ -7,6 +7,7 @@ use common::{constant_map, gpu_or_skip, horizontal, no_light, one_disk, scene_of
 use glam::{Affine2, DVec3, Vec2, Vec3};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
+use gnomon_renderer::shadow::VisibilityPath;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, shadow};
 use gnomon_scene::{Camera, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 
@@ -100,6 +101,51 @@ fn visibility_is_of_the_chosen_light_alone() {
     let slant = 0.35 / 1.0_f32.hypot(0.35);
     let share = (255.0 * slant / (1.0 + slant)).round() as u8;
     assert_near(at_middle(("shadow-buffer", 0)), [share; 3]);
+}
+
+/// Lights of a batch lie four to a word of the buffer, and batches take turns in it.
+#[test]
+fn visibility_through_a_buffer_is_shown_as_inline_visibility_is() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (scene, camera) = under_a_square();
+    let direction = |i: u32| {
+        DVec3::new(0.4 * (f64::from(i) * 1.3).sin(), 1.0, 0.4 * (f64::from(i) * 1.3).cos()).normalize()
+    };
+    let lights = (0..10).map(|i| DistantLight::disk(direction(i), 0.2, DVec3::splat(0.01)));
+    let set = LightSet::new("test", lights.collect(), no_light());
+    for sampling in [1, 2] {
+        // In a batch of its own a light takes other points of its outline: where batches differ, points of the outline must not count.
+        for (shadows, memory) in [("hard", 1), ("pcss", 64)] {
+            let with = |visibility| {
+                settings().with(|s| {
+                    s.techniques.shadows = shadows.to_owned();
+                    s.techniques.visibility = visibility;
+                    s.techniques.shadow_resolution = 256;
+                    s.techniques.shadow_sampling = sampling;
+                    s.techniques.shadow_memory = memory;
+                })
+            };
+            let mut inline = renderer(&gpu, with(VisibilityPath::Inline), &scene, &set);
+            let mut buffered = renderer(&gpu, with(VisibilityPath::Buffered), &scene, &set);
+            let mut hidden = 0;
+            for (view, light) in
+                (0..10).map(|light| ("visibility", light)).chain([("shadow-buffer", 0), ("shadow-map", 7)])
+            {
+                let [expected, found] = [&mut inline, &mut buffered].map(|renderer| {
+                    renderer.set_debug_view(view, light).unwrap();
+                    renderer.render(&camera, SIZE, SIZE).unwrap().display
+                });
+                // A byte of visibility, encoded for a display.
+                let far = found.iter().flatten().zip(expected.iter().flatten()).map(|(a, b)| a.abs_diff(*b));
+                let far = far.max().unwrap();
+                assert!(far <= 2, "{view} {light}, {sampling}, {memory} MiB: off by {far} of 255");
+                hidden += usize::from(view == "visibility" && expected.iter().any(|texel| texel[0] < 8));
+            }
+            // Tiles of several samples lighten a shadow this small.
+            assert!(hidden == 10 || sampling > 1, "the square hides every light from some of the floor");
+            assert_eq!(buffered.shadow_batches() > 1, memory == 1);
+        }
+    }
 }
 
 #[test]

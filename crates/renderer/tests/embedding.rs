@@ -9,6 +9,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use common::{constant_map, gpu_or_skip, no_light, one_disk, scene_of, sphere};
 use glam::Vec3;
+use gnomon_renderer::shadow::{self, VisibilityPath};
 use gnomon_renderer::wgpu::{self, TextureFormat, TextureUsages};
 use gnomon_renderer::{Gpu, GpuOptions, Presenter, RenderError, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material};
@@ -120,11 +121,25 @@ fn webgpus_default_limits_without_features_draw_the_default_techniques() {
     let picture = |renderer: &mut Renderer| renderer.render(&camera(), SIZE, SIZE).unwrap().display;
     assert_eq!(picture(&mut renderer), picture(&mut expected));
 
-    for shadows in ["convolution", "moments"] {
-        let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
-        let Err(error) = Renderer::new(&gpu, settings) else { panic!("{shadows} cannot filter") };
-        assert!(matches!(error, RenderError::NeedsFeature { .. }), "{error}");
-        assert!(error.to_string().contains(shadows) && error.to_string().contains("FLOAT32_FILTERABLE"));
+    // Through a buffer the same techniques can be had, and give the pictures that a device with all features gives.
+    for (shadows, visibility) in shadow::names().flat_map(|(shadows, _)| {
+        [VisibilityPath::Inline, VisibilityPath::Buffered].map(|visibility| (shadows, visibility))
+    }) {
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.shadows = shadows.to_owned();
+            s.techniques.visibility = visibility;
+            s.techniques.shadow_resolution = 64;
+        });
+        if ["convolution", "moments"].contains(&shadows) {
+            let Err(error) = Renderer::new(&gpu, settings) else { panic!("{shadows} cannot filter") };
+            assert!(matches!(error, RenderError::NeedsFeature { .. }), "{error}");
+            assert!(error.to_string().contains(shadows) && error.to_string().contains("FLOAT32_FILTERABLE"));
+            continue;
+        }
+        for renderer in [&mut renderer, &mut expected] {
+            renderer.set_settings(settings.clone(), &one_disk(Vec3::Y, 0.4)).unwrap();
+        }
+        assert_eq!(picture(&mut renderer), picture(&mut expected), "{shadows} {visibility:?}");
     }
 }
 

@@ -63,7 +63,7 @@ fn visibility_through_a_buffer_gives_the_same_picture() {
         let inline_batches = renderer.shadow_batches();
         // Planned for the picture at hand, whatever that is; and with lights that take turns.
         for (memory, sizes) in [(64, [[40, 30], [64, 48]]), (1, [[80, 60], [64, 48]])] {
-            renderer.set_settings(settings(VisibilityPath::Buffered, memory), &scene, &set).unwrap();
+            renderer.set_settings(settings(VisibilityPath::Buffered, memory), &set).unwrap();
             renderer.render(&camera, sizes[0][0], sizes[0][1]).unwrap();
             let buffered = renderer.render(&camera, sizes[1][0], sizes[1][1]).unwrap().radiance;
             let error = compare(&buffered, &inline, None).unwrap().relative_rmse;

@@ -1,5 +1,5 @@
-//! Scene files: [`load`] reads one of any format that [`formats`] lists, [`load_bytes`] one that is no file, [`read_camera`] a camera, [`read_sections`] what a scene file says of
-//! how it is drawn. One file a format; a new one is registered in `FORMATS`.
+//! Scene files: [`load`] reads one of any format that [`formats`] lists, [`load_from`] and [`load_bytes`] one that is no file, [`read_camera`] a
+//! camera, [`read_sections`] what a scene file says of how it is drawn. One file a format; a new one is registered in `FORMATS`.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -130,8 +130,20 @@ pub struct LoadedScene {
 /// Whatever the bytes are, this ends in a scene or one [`SceneFileError`]: in a scene, every index is in range, every
 /// coordinate is finite, and node transforms stay finite down the hierarchy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, SceneFileError> {
+    load_from(path, &FileResolver, options)
+}
+
+/// [`load`] of a file that `resolver` gives, with all that it names.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_from(
+    path: &Path,
+    resolver: &dyn Resolver,
+    options: &LoadOptions,
+) -> Result<LoadedScene, SceneFileError> {
     let mut budget = Budget::new(options.memory_limit);
-    load_within(path, (&FileResolver, options), &mut budget, true)
+    load_within(path, (resolver, options), &mut budget, true)
 }
 
 /// [`load`] of bytes that are no file, or not yet: `name` stands for their path, in messages, for the format and for the paths of the

@@ -15,8 +15,8 @@ use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 
 use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, Source, load_within};
-use crate::SceneFileError;
 use crate::error::Fault;
+use crate::{Resolver, SceneFileError};
 
 mod light;
 
@@ -31,17 +31,19 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
 }
 
 /// Those tables of a scene file that say how it is drawn, which [`super::load`] leaves alone: `T` has a field for each, with a default,
-/// and refuses no others. `None` for a file of another format.
+/// and refuses no others. `resolver` gives the file. `None` for one of another format.
 ///
 /// # Errors
 /// [`SceneFileError::Io`], or [`SceneFileError::Invalid`] with the line that `T` refuses.
-pub fn read_sections<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, SceneFileError> {
+pub fn read_sections<T: DeserializeOwned>(
+    path: &Path,
+    resolver: &dyn Resolver,
+) -> Result<Option<T>, SceneFileError> {
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
         return Ok(None);
     }
     let mut budget = Budget::new(LoadOptions::default().memory_limit);
-    let read =
-        super::read_file(path, &super::FileResolver, &mut budget).and_then(|bytes| parse(text_of(&bytes)?));
+    let read = super::read_file(path, resolver, &mut budget).and_then(|bytes| parse(text_of(&bytes)?));
     read.map(Some).map_err(|fault| fault.at(path))
 }
 

@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3};
 use gnomon_brdf::{Model, Parameter};
 use gnomon_scene::{AreaLightShape, Camera, Ground};
 use gnomon_scene_files::{
-    EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, SceneFileError, load, read_sections,
+    EnvironmentSettings, EnvironmentSource, FileResolver, LoadOptions, LoadedScene, SceneFileError, load,
+    read_sections,
 };
 
 fn attempt(text: &str) -> Result<LoadedScene, SceneFileError> {
@@ -246,10 +247,10 @@ fn sections_about_drawing_are_left_to_whoever_draws() {
     assert!(loaded.scene.ground.is_some());
     let environment = loaded.environment.unwrap();
     assert_eq!((environment.exposure_ev, environment.projection.as_deref()), (None, Some("equirect")));
-    let sections: Sections = read_sections(&path).unwrap().unwrap();
+    let sections: Sections = read_sections(&path, &FileResolver).unwrap().unwrap();
     assert_eq!(sections.render.unwrap().shadows, "pcf");
     std::fs::write(&path, text.replace("shadows =", "shadow =")).unwrap();
-    let error = read_sections::<Sections>(&path).unwrap_err().to_string();
+    let error = read_sections::<Sections>(&path, &FileResolver).unwrap_err().to_string();
     assert!(error.contains("line 10: unknown field `shadow`"), "{error}");
-    assert!(read_sections::<Sections>(&folder.path().join("scene.glb")).unwrap().is_none());
+    assert!(read_sections::<Sections>(&folder.path().join("scene.glb"), &FileResolver).unwrap().is_none());
 }

@@ -9,7 +9,7 @@ use gnomon_brdf::{Model, Parameter, Surface};
 use gnomon_messages::quoted;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::{Material, MaterialId, Scene, SceneError};
+use crate::{Material, MaterialId, Mesh, MeshId, Scene, SceneError};
 
 /// A reflectance model, and those of its parameters that are given.
 ///
@@ -194,26 +194,42 @@ impl Scene {
     /// Gives every material another reflectance model, that of the ground excepted: for meshes from files that know no other
     /// than their own, or none. Textures stay and multiply what they did.
     pub fn set_reflectance(&mut self, settings: &ReflectanceSettings) {
-        let ground: Vec<_> = self.ground.map_or(Vec::new(), |node| self.nodes[node.0].meshes.clone());
-        // The ground keeps what it has, in a material of its own.
-        for mesh in &ground {
-            let copy = self.material(*mesh).clone();
-            Arc::make_mut(&mut self.meshes[mesh.0]).material = Some(MaterialId(self.materials.len()));
-            self.materials.push(copy);
-        }
-        let kept = self.materials.len() - ground.len();
-        let bare = (0..self.meshes.len()).filter(|&mesh| self.meshes[mesh].material.is_none());
-        let bare: Vec<_> = bare.collect();
-        if !bare.is_empty() {
-            let id = MaterialId(self.materials.len());
-            let mut material = Material::default();
-            settings.apply(&mut material.surface);
-            self.materials.push(material);
-            bare.into_iter().for_each(|mesh| Arc::make_mut(&mut self.meshes[mesh]).material = Some(id));
-        }
-        self.materials[..kept].iter_mut().for_each(|material| settings.apply(&mut material.surface));
+        self.separate_materials();
+        let ground = self.ground_meshes();
+        let kept: Vec<_> = ground.into_iter().filter_map(|mesh| self.meshes[mesh.0].material).collect();
+        let changed =
+            (0..).zip(&mut self.materials).filter(|(number, _)| !kept.contains(&MaterialId(*number)));
+        changed.for_each(|(_, material)| settings.apply(&mut material.surface));
         let warning = self.materials.iter().find_map(|material| excess(&material.surface));
         self.warnings.extend(warning);
+    }
+
+    /// Gives what [`Scene::set_reflectance`] tells apart materials of its own: the ground's meshes, where they share theirs, and those
+    /// without a material. Such meshes are copied, so that later it copies none.
+    pub fn separate_materials(&mut self) {
+        let ground = self.ground_meshes();
+        for &MeshId(place) in &ground {
+            let of = |mesh: &Arc<Mesh>| mesh.material;
+            let is_shared = |material| {
+                let others = (0..).zip(&self.meshes).filter(|(mesh, _)| !ground.contains(&MeshId(*mesh)));
+                others.map(|(_, mesh)| of(mesh)).any(|other| other == Some(material))
+            };
+            if of(&self.meshes[place]).is_none_or(is_shared) {
+                let copy = self.material(MeshId(place)).clone();
+                Arc::make_mut(&mut self.meshes[place]).material = Some(MaterialId(self.materials.len()));
+                self.materials.push(copy);
+            }
+        }
+        let id = MaterialId(self.materials.len());
+        let mut bare = self.meshes.iter_mut().filter(|mesh| mesh.material.is_none()).peekable();
+        if bare.peek().is_some() {
+            bare.for_each(|mesh| Arc::make_mut(mesh).material = Some(id));
+            self.materials.push(Material::default());
+        }
+    }
+
+    fn ground_meshes(&self) -> Vec<MeshId> {
+        self.ground.map_or(Vec::new(), |node| self.nodes[node.0].meshes.clone())
     }
 }
 
@@ -315,7 +331,7 @@ mod tests {
         let before = scene.material(ground).clone();
         scene.set_reflectance(&"phong:shininess=9,specular=0.7,diffuse=0.6".parse().unwrap());
         assert_eq!(scene.material(ground), &before);
-        let boxes = scene.material(crate::MeshId(0));
+        let boxes = scene.material(MeshId(0));
         assert_eq!((boxes.surface.model, boxes.surface.shininess), (Model::Phong, 9.0));
         assert_eq!(scene.warnings.len(), 1);
         assert!(

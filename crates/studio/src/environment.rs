@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnomon_envmap::{Equirect, builtin, load};
+use gnomon_envmap::{Environment, Equirect, builtin, load};
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
 use gnomon_renderer::{PreparedLighting, RenderSettings};
 use gnomon_scene_files::EnvironmentSource;
 
 use crate::look::EnvironmentLook;
-use crate::{Look, Stage, StudioError};
+use crate::{Look, SceneSource, Stage, StudioError};
 
 /// What a name means: a built-in environment, or else a file. Whoever means a file called like a built-in one writes `./room`.
 pub fn environment_named(name: &str) -> EnvironmentSource {
@@ -41,11 +41,27 @@ pub fn load_environment(look: &EnvironmentLook) -> Result<(Equirect, Vec<String>
                 true => error.into(),
                 false => no_environment(&path.to_string_lossy(), &names()),
             })?;
-            let warnings =
-                environment.warnings().iter().map(|w| format!("{}: {w}", path.display())).collect();
-            Ok((environment.map, warnings))
+            Ok(with_warnings(path, environment))
         }
     }
+}
+
+/// The same for a scene of this source: where a program gives the scene's files, the environment's is one of them.
+pub(crate) fn environment_of(
+    source: &SceneSource,
+    look: &EnvironmentLook,
+) -> Result<(Equirect, Vec<String>), StudioError> {
+    match (source, &look.source) {
+        (SceneSource::Files(files), Some(EnvironmentSource::File(path))) => {
+            Ok(with_warnings(path, files.environment(path, look.projection()?)?))
+        }
+        _ => load_environment(look),
+    }
+}
+
+fn with_warnings(path: &Path, environment: Environment) -> (Equirect, Vec<String>) {
+    let warnings = environment.warnings().iter().map(|w| format!("{}: {w}", path.display())).collect();
+    (environment.map, warnings)
 }
 
 fn no_environment(name: &str, names: &str) -> StudioError {
@@ -69,7 +85,8 @@ pub fn fit_lights(fit: &FitSettings, ground: bool, environment: &Equirect) -> Re
 /// An environment, or where to get it.
 pub(crate) enum MapSource {
     Loaded(Arc<Equirect>),
-    Unread,
+    /// As a scene of this source names it.
+    Unread(SceneSource),
 }
 
 /// What is to be worked out, on any thread.
@@ -97,8 +114,8 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
     let LightingRequest { map, look, ground } = request;
     let (map, warnings) = match map {
         MapSource::Loaded(map) => (map, Vec::new()),
-        MapSource::Unread => {
-            let (map, warnings) = load_environment(&look.environment)?;
+        MapSource::Unread(source) => {
+            let (map, warnings) = environment_of(&source, &look.environment)?;
             (Arc::new(map), warnings)
         }
     };

@@ -22,6 +22,7 @@ mod converging;
 mod environment;
 mod error;
 mod executor;
+mod files;
 mod frame_rate;
 mod job;
 mod look;
@@ -38,6 +39,7 @@ pub use error::StudioError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use executor::Threads;
 pub use executor::{Executor, Slices, Task, default_executor};
+pub use files::SceneFiles;
 pub use frame_rate::{DrawnFrame, FrameRate};
 pub use look::{AnimationLook, CameraLook, EnvironmentLook, Look, PictureSettings};
 pub use project::{Project, SceneSource};

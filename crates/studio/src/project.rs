@@ -7,11 +7,13 @@ use gnomon_lights::fit::FitSettings;
 use gnomon_options::Given;
 use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
-use gnomon_scene_files::{EnvironmentSource, LoadOptions, LoadedScene, load, read_sections};
+use gnomon_scene_files::{
+    EnvironmentSource, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
+};
 use serde::Deserialize;
 
 use crate::look::{AnimationLook, CameraLook, PictureSettings};
-use crate::{Look, StudioError};
+use crate::{Look, SceneFiles, StudioError};
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +22,8 @@ pub enum SceneSource {
     Builtin(String),
     /// A file.
     File(PathBuf),
+    /// A file that a program gives, with those that it names. An environment that its look names is one of these.
+    Files(SceneFiles),
 }
 
 impl SceneSource {
@@ -37,6 +41,7 @@ impl std::fmt::Display for SceneSource {
         match self {
             Self::Builtin(name) => f.write_str(name),
             Self::File(path) => write!(f, "{}", path.display()),
+            Self::Files(files) => write!(f, "{}", files.path().display()),
         }
     }
 }
@@ -50,6 +55,8 @@ pub struct Project {
     pub scene: Scene,
     /// The look that was asked for, with what the file says in its place.
     pub look: Look,
+    /// Whether the look's environment is the file's own.
+    pub(crate) brings_environment: bool,
 }
 
 /// Tables of a scene file that say how it is drawn.
@@ -92,7 +99,8 @@ impl Project {
         let sections = match &source {
             SceneSource::Builtin(_) => None,
             SceneSource::File(path) if !path.exists() => return Err(no_scene(path)),
-            SceneSource::File(path) => read_sections::<Sections>(path)?,
+            SceneSource::File(path) => read_sections::<Sections>(path, &FileResolver)?,
+            SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
         let Sections { fit, render, display, animation, surface } = sections.unwrap_or_default();
         [&fit, &render, &display, given].into_iter().for_each(|given| given.apply(&mut look));
@@ -106,16 +114,17 @@ impl Project {
                 None => look.reflectance = Some(reflectance),
             }
         }
+        let options = LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() };
         let LoadedScene { scene, environment, ground } = match &source {
             SceneSource::Builtin(name) => {
                 let scene = builtin::by_name(name)?;
                 LoadedScene { scene, environment: None, ground: Ground::None }
             }
-            SceneSource::File(path) => {
-                load(path, &LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() })?
-            }
+            SceneSource::File(path) => load(path, &options)?,
+            SceneSource::Files(files) => load_from(files.path(), files.resolver(), &options)?,
         };
         look.ground = ground;
+        let brings_environment = environment.is_some();
         if let Some(own) = environment {
             look.environment.source = Some(own.source);
             look.environment.projection = own.projection;
@@ -124,7 +133,7 @@ impl Project {
                 look.display.exposure = own.exposure_ev;
             }
         }
-        Ok(Self { source, scene, look })
+        Ok(Self { source, scene, look, brings_environment })
     }
 
     /// Another environment than the file's. A turn and a projection that the file gives belong to its own and go with it; its exposure
@@ -133,6 +142,7 @@ impl Project {
         self.look.environment.source = Some(source);
         self.look.environment.projection = None;
         self.look.environment.rotation = 0.0;
+        self.brings_environment = false;
     }
 }
 

@@ -119,6 +119,12 @@ impl Stage {
         let mut model = Table::new();
         match self.source() {
             SceneSource::File(path) if is_scene_file(path) => return read_tables(path, folder),
+            SceneSource::Files(files) => {
+                let path = files.path().display();
+                return Err(StudioError::Request(format!(
+                    "{path} cannot be saved: a program gave its files, which no scene file can name"
+                )));
+            }
             SceneSource::File(path) => drop(model.insert("file".to_owned(), relative(path, folder)?.into())),
             SceneSource::Builtin(name) => {
                 model.insert("builtin".to_owned(), name.clone().into());

@@ -1,14 +1,14 @@
 //! A scene, its environment and its look: everything that a picture needs but a device.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::FitOptions;
-use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, Scene, camera_around};
+use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
-use crate::environment::load_environment;
-use crate::look::CameraLook;
+use crate::environment::environment_of;
+use crate::look::{AnimationLook, CameraLook};
 use crate::pose::{pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
 
@@ -17,8 +17,10 @@ use crate::{Look, Project, SceneSource, StudioError};
 pub struct Stage {
     source: SceneSource,
     look: Look,
+    /// As its file has it.
+    loaded: Arc<Loaded>,
+    /// As the look has it.
     scene: Arc<Scene>,
-    bare: Bare,
     /// Box around the models, over the look's clip where it has one: what ground and automatic camera are for. It does not depend on the
     /// time, so that they stay while a clip plays.
     reach: Option<Bounds>,
@@ -30,22 +32,20 @@ pub struct Stage {
     warnings: Vec<String>,
 }
 
-/// What the look changes in a scene, as the file has it.
-#[derive(Clone)]
-struct Bare {
-    materials: Vec<Material>,
-    material_of_mesh: Vec<Option<MaterialId>>,
-    nodes: usize,
-    ground: Option<NodeId>,
+/// A scene as its file has it. The scenes of looks are clones of it, which share its meshes.
+struct Loaded {
+    /// At rest.
+    scene: Scene,
+    /// The same for looks that set the reflectance, which then copies no mesh.
+    separated: OnceLock<Scene>,
     stands_on_ground: bool,
-    warnings: usize,
     /// Width over height of the pictures that it was loaded for.
     aspect: f32,
 }
 
 /// What a new look changed in the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct SceneChange {
+pub(crate) struct LookChange {
     /// Ground or reflectance.
     pub dressed: bool,
     /// Pose, and with the clip the place of the ground.
@@ -54,7 +54,7 @@ pub(crate) struct SceneChange {
     reaches_elsewhere: bool,
 }
 
-impl SceneChange {
+impl LookChange {
     fn between(was: &Look, new: &Look) -> Self {
         Self {
             dressed: (&was.reflectance, &was.surfaces, was.ground)
@@ -65,56 +65,53 @@ impl SceneChange {
     }
 }
 
-impl Bare {
-    fn of(scene: &mut Scene, aspect: f32) -> Self {
+impl Loaded {
+    fn new(mut scene: Scene, aspect: f32) -> Self {
         scene.rest();
-        Self {
-            materials: scene.materials.clone(),
-            material_of_mesh: scene.meshes.iter().map(|mesh| mesh.material).collect(),
-            nodes: scene.nodes.len(),
-            ground: scene.ground,
-            stands_on_ground: scene.stands_on_ground(),
-            warnings: scene.warnings.len(),
-            aspect,
-        }
+        Self { stands_on_ground: scene.stands_on_ground(), scene, separated: OnceLock::new(), aspect }
     }
 
-    /// Whether it does once [`dress`] was there, too.
-    fn dressed_stands_on_ground(&self, dressed: &Scene) -> bool {
-        self.stands_on_ground || dressed.ground != self.ground
+    fn reach(&self, look: &AnimationLook) -> Result<Option<Bounds>, StudioError> {
+        reach(&mut self.scene.clone(), look)
     }
 
-    /// Takes off what [`dress`] put on.
-    fn restore(&self, scene: &mut Scene) {
-        scene.meshes.truncate(self.material_of_mesh.len());
-        for (mesh, material) in scene.meshes.iter_mut().zip(&self.material_of_mesh) {
-            if mesh.material != *material {
-                Arc::make_mut(mesh).material = *material;
+    /// The scene at rest with a look's reflectance, and its ground under models that reach so far.
+    fn dressed(&self, look: &Look, reach: Option<Bounds>) -> Result<Scene, StudioError> {
+        let mut scene = match &look.reflectance {
+            None => self.scene.clone(),
+            Some(reflectance) => {
+                let separated = self.separated.get_or_init(|| {
+                    let mut scene = self.scene.clone();
+                    scene.separate_materials();
+                    scene
+                });
+                let mut scene = separated.clone();
+                scene.set_reflectance(reflectance);
+                scene
             }
+        };
+        // The ground's mesh is that of the file's pose in every clip: only its node moves.
+        scene.add_ground_under(look.ground, reach);
+        let count = scene.materials.len();
+        for (&index, settings) in &look.surfaces {
+            let material = scene.materials.get_mut(index).ok_or_else(|| {
+                StudioError::Request(format!("there is no material {index}: the scene has {count}, from 0"))
+            })?;
+            settings.apply(&mut material.surface);
         }
-        scene.nodes.truncate(self.nodes);
-        scene.materials.clone_from(&self.materials);
-        scene.ground = self.ground;
-        scene.warnings.truncate(self.warnings);
+        Ok(scene)
     }
-}
 
-/// Reflectance, and ground under models that reach so far.
-fn dress(scene: &mut Scene, look: &Look, reach: Option<Bounds>) -> Result<(), StudioError> {
-    // The ground's mesh is that of the file's pose in every clip: only its node moves.
-    scene.rest();
-    if let Some(reflectance) = &look.reflectance {
-        scene.set_reflectance(reflectance);
+    /// Whether a scene that was made of it does at rest.
+    fn stands_on_ground(&self, dressed: &Scene) -> bool {
+        self.stands_on_ground || dressed.ground != self.scene.ground
     }
-    scene.add_ground_under(look.ground, reach);
-    let count = scene.materials.len();
-    for (&index, settings) in &look.surfaces {
-        let material = scene.materials.get_mut(index).ok_or_else(|| {
-            StudioError::Request(format!("there is no material {index}: the scene has {count}, from 0"))
-        })?;
-        settings.apply(&mut material.surface);
+
+    /// What was said of such a scene beyond what was said of the file.
+    fn new_warnings(&self, source: &SceneSource, dressed: &Scene) -> Vec<String> {
+        let new = dressed.warnings.iter().skip(self.scene.warnings.len());
+        new.map(|warning| format!("{source}: {warning}")).collect()
     }
-    Ok(())
 }
 
 impl Stage {
@@ -123,7 +120,7 @@ impl Stage {
     /// # Errors
     /// A scene without environment, files that cannot be used, names of nothing.
     pub fn new(project: Project) -> Result<Self, StudioError> {
-        let (map, warnings) = load_environment(&project.look.environment)?;
+        let (map, warnings) = environment_of(&project.source, &project.look.environment)?;
         Self::under(project, Arc::new(map), warnings)
     }
 
@@ -136,28 +133,27 @@ impl Stage {
         environment: Arc<Equirect>,
         mut warnings: Vec<String>,
     ) -> Result<Self, StudioError> {
-        let Project { source, mut scene, look } = project;
+        let Project { source, scene, look, .. } = project;
+        check_rotation(&look)?;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
-        let bare = Bare::of(&mut scene, look.picture.aspect());
-        let reach = reach(&mut scene, &look.animation)?;
-        dress(&mut scene, &look, reach)?;
-        let stands_on_ground = bare.dressed_stands_on_ground(&scene);
+        let loaded = Loaded::new(scene, look.picture.aspect());
+        let reach = loaded.reach(&look.animation)?;
+        let mut scene = loaded.dressed(&look, reach)?;
+        let stands_on_ground = loaded.stands_on_ground(&scene);
         pose(&mut scene, &look.animation)?;
+        warnings.extend(loaded.new_warnings(&source, &scene));
         let automatic_exposure = environment.suitable_exposure();
-        let scene = Arc::new(scene);
-        let mut stage = Self {
+        let stage = Self {
             source,
             look,
-            scene,
-            bare,
+            scene: Arc::new(scene),
+            loaded: Arc::new(loaded),
             reach,
             stands_on_ground,
             environment,
             automatic_exposure,
             warnings,
         };
-        stage.warn_of_dress();
-        check_rotation(&stage.look)?;
         stage.camera()?;
         Ok(stage)
     }
@@ -217,7 +213,7 @@ impl Stage {
     /// Whether the automatic camera of a scene that is loaded anew, for pictures of this size, is the present one: a lens that a file gives by
     /// its vertical angle is that of the aspect at loading.
     pub(crate) fn reloads_its_camera(&self) -> bool {
-        self.scene.cameras.is_empty() || self.look.picture.aspect() == self.bare.aspect
+        self.scene.cameras.is_empty() || self.look.picture.aspect() == self.loaded.aspect
     }
 
     /// A view that frames the scene's models: as they are at rest, or wherever the look's clip takes them.
@@ -268,52 +264,50 @@ impl Stage {
         let (was, new) = (&self.look.environment, &look.environment);
         let map = match (&was.source, &was.projection) == (&new.source, &new.projection) {
             true => None,
-            false => Some(load_environment(new)?),
+            false => Some(environment_of(&self.source, new)?),
         };
-        self.change_look(look)?;
+        (*self, _) = self.with_look(look)?;
         if let Some((map, warnings)) = map {
             self.set_environment(Arc::new(map), warnings);
         }
         Ok(())
     }
 
-    /// The same but for the environment, which is the caller's to load.
-    pub(crate) fn change_look(&mut self, look: Look) -> Result<SceneChange, StudioError> {
+    /// This stage with another look, but for the environment, which is the caller's to load.
+    pub(crate) fn with_look(&self, look: Look) -> Result<(Self, LookChange), StudioError> {
         check_rotation(&look)?;
-        let was = std::mem::replace(&mut self.look, look);
-        let change = SceneChange::between(&was, &self.look);
-        let applied = self.apply(change).and_then(|()| self.camera().map(drop));
-        if let Err(error) = applied {
-            self.look = was;
-            // What was applied before can be applied again.
-            self.apply(change)?;
-            return Err(error);
-        }
+        let change = LookChange::between(&self.look, &look);
+        let loaded = &self.loaded;
+        let reach = match change.reaches_elsewhere {
+            true => loaded.reach(&look.animation)?,
+            false => self.reach,
+        };
+        let is_same = !(change.dressed || change.moved);
+        let (scene, stands_on_ground) = if is_same {
+            (Arc::clone(&self.scene), self.stands_on_ground)
+        } else {
+            let (mut scene, stands_on_ground) = match change.dressed || change.reaches_elsewhere {
+                true => {
+                    let scene = loaded.dressed(&look, reach)?;
+                    let stands_on_ground = loaded.stands_on_ground(&scene);
+                    (scene, stands_on_ground)
+                }
+                false => (Scene::clone(&self.scene), self.stands_on_ground),
+            };
+            pose(&mut scene, &look.animation)?;
+            (Arc::new(scene), stands_on_ground)
+        };
+        let mut stage = Self { look, scene, reach, stands_on_ground, ..self.clone() };
+        stage.camera()?;
         if change.dressed {
-            self.warn_of_dress();
+            stage.warnings.extend(loaded.new_warnings(&stage.source, &stage.scene));
         }
-        Ok(change)
+        Ok((stage, change))
     }
 
-    fn apply(&mut self, change: SceneChange) -> Result<(), StudioError> {
-        if change.dressed || change.reaches_elsewhere {
-            let scene = Arc::make_mut(&mut self.scene);
-            self.bare.restore(scene);
-            if change.reaches_elsewhere {
-                self.reach = reach(scene, &self.look.animation)?;
-            }
-            dress(scene, &self.look, self.reach)?;
-            self.stands_on_ground = self.bare.dressed_stands_on_ground(scene);
-        }
-        if change.dressed || change.moved {
-            pose(Arc::make_mut(&mut self.scene), &self.look.animation)?;
-        }
-        Ok(())
-    }
-
-    fn warn_of_dress(&mut self) {
-        let new = self.scene.warnings.iter().skip(self.bare.warnings);
-        self.warnings.extend(new.map(|warning| format!("{}: {warning}", self.source)));
+    /// The look, to ask for other lights and for nothing else: these are the caller's to work out.
+    pub(crate) fn look_for_lights(&mut self) -> &mut Look {
+        &mut self.look
     }
 
     pub(crate) fn set_environment(&mut self, map: Arc<Equirect>, warnings: Vec<String>) {

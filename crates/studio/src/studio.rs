@@ -6,7 +6,10 @@ use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::Options;
-use gnomon_renderer::{Gpu, LightingSettings, MeasureSettings, RenderSettings, Renderer};
+use gnomon_renderer::{
+    Change, Gpu, LightingChange, LightingSettings, MeasureSettings, PreparedLighting, RenderSettings,
+    Renderer, SceneChange,
+};
 use gnomon_scene::{Camera, Scene};
 
 use crate::converging::Converging;
@@ -14,6 +17,7 @@ use crate::environment::{LightingRequest, LightingResult, work_out, work_out_sta
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
 use crate::look::EnvironmentLook;
+use crate::stage::LookChange;
 use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
 mod drawing;
@@ -115,14 +119,10 @@ impl Studio {
     /// As [`Studio::new`].
     pub fn with_executor(gpu: &Gpu, stage: Stage, executor: Arc<dyn Executor>) -> Result<Self, StudioError> {
         let LightingResult { lights, prepared, .. } = work_out_stage(&stage)?;
-        let mut renderer = Renderer::new(gpu, stage.look().settings(stage.exposure()))?;
-        renderer.set_scene(stage.scene())?;
-        renderer.set_environment_rotation(stage.world_from_environment())?;
-        renderer.set_prepared_lighting(prepared)?;
         Ok(Self {
+            renderer: renderer_of(gpu, &stage, prepared)?,
             lit_for: LightingKey::of(stage.look(), stage.stands_on_ground()),
             stage,
-            renderer,
             lights: Arc::new(lights),
             lighting: Job::new("light fitting", work_out, Arc::clone(&executor)),
             scenes: Job::new("scene loading", SceneRequest::work_out, Arc::clone(&executor)),
@@ -183,13 +183,21 @@ impl Studio {
     /// Takes another look over, by the least work. Another environment, fit or ambient rest is worked out on a thread.
     ///
     /// # Errors
-    /// What can be told at once: names of nothing, settings out of range, shadow maps beyond the memory. The look is then what it was.
+    /// What can be told at once: names of nothing, settings out of range, shadow maps beyond the memory. Everything is then as it was.
     pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
-        let (was, wanted) = (self.look().clone(), self.wanted_lighting());
-        if let Err(error) = self.apply(look) {
-            self.apply(was)?;
-            return Err(error);
+        if &look == self.look() {
+            return Ok(());
         }
+        let wanted = self.wanted_lighting();
+        let (stage, change) = checked(&self.stage, look)?;
+        let scene = match (change.dressed, change.moved) {
+            (true, true) => Some(SceneChange::Whole(stage.scene())),
+            (true, false) => Some(SceneChange::Materials(stage.scene())),
+            (false, true) => Some(SceneChange::Pose(stage.scene())),
+            (false, false) => None,
+        };
+        self.renderer.change(Change { scene, ..self.change_to(&stage) })?;
+        self.stage = stage;
         if self.wanted_lighting() != wanted {
             self.request_lighting();
         }
@@ -200,45 +208,13 @@ impl Studio {
         LightingKey::of(self.look(), self.stage.stands_on_ground())
     }
 
-    /// Everything of a look but what threads are for.
-    fn apply(&mut self, look: Look) -> Result<(), StudioError> {
-        let was = self.look().clone();
-        if look == was {
-            return Ok(());
-        }
-        // Names that only a thread would look up are told at once.
-        look.environment.projection()?;
-        look.check()?;
-        look.fit.fit(false)?;
-        let change = self.stage.change_look(look)?;
-        if change.dressed {
-            self.renderer.set_materials(self.stage.scene())?;
-        }
-        if change.moved {
-            self.renderer.move_scene(self.stage.scene())?;
-        }
-        self.apply_settings(&was)?;
-        self.renderer.set_environment_rotation(self.stage.world_from_environment())?;
-        Ok(())
-    }
-
-    /// Techniques and display, where they are others than those of `was`.
-    fn apply_settings(&mut self, was: &Look) -> Result<(), StudioError> {
-        let (settings, look) = (self.settings(), self.stage.look());
-        if look.techniques != was.techniques {
-            self.renderer.set_settings(settings, self.stage.scene(), &self.lights)?;
-        } else if look.display != was.display {
-            self.renderer.set_display(settings.display)?;
-        }
-        Ok(())
-    }
-
-    /// The renderer's settings: the look's, with the ambient rest that is in force.
-    fn settings(&self) -> RenderSettings {
-        RenderSettings {
-            lighting: self.lit_for.lighting.clone(),
-            measure: MeasureSettings { profile: self.times_passes() },
-            ..self.look().settings(self.stage.exposure())
+    /// What the renderer takes over of a stage but for its scene and its lights.
+    fn change_to(&self, stage: &Stage) -> Change<'static> {
+        let measure = MeasureSettings { profile: self.times_passes() };
+        Change {
+            settings: Some(RenderSettings { measure, ..stage.look().settings(stage.exposure()) }),
+            world_from_environment: Some(stage.world_from_environment()),
+            ..Change::default()
         }
     }
 
@@ -273,4 +249,24 @@ impl Studio {
     pub fn reference(&self) -> Result<Option<ReferencePicture>, StudioError> {
         self.converging.as_ref().map_or(Ok(None), Converging::picture)
     }
+}
+
+/// A stage with another look, of which nothing is out of range: names that only a thread would look up are told at once.
+fn checked(stage: &Stage, look: Look) -> Result<(Stage, LookChange), StudioError> {
+    look.environment.projection()?;
+    look.check()?;
+    look.fit.fit(false)?;
+    stage.with_look(look)
+}
+
+/// A renderer of a stage under lights that were worked out for it.
+fn renderer_of(gpu: &Gpu, stage: &Stage, prepared: PreparedLighting) -> Result<Renderer, StudioError> {
+    let mut renderer = Renderer::new(gpu, stage.look().settings(stage.exposure()))?;
+    renderer.change(Change {
+        scene: Some(SceneChange::Whole(stage.scene())),
+        world_from_environment: Some(stage.world_from_environment()),
+        lighting: Some(LightingChange::Prepared(Box::new(prepared))),
+        ..Change::default()
+    })?;
+    Ok(renderer)
 }

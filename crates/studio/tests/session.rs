@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
@@ -141,7 +142,7 @@ fn what_cannot_be_leaves_everything_as_it_was() {
     let Some(gpu) = gpu() else { return };
     let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
     let before = picture(&mut studio);
-    let refused: [Edit; 8] = [
+    let refused: [Edit; 12] = [
         ("technique", |look| look.techniques.shadows = "candles".to_owned()),
         ("'light_count'", |look| look.fit.light_count = Some(0)),
         ("fit", |look| look.fit.method = "candles".to_owned()),
@@ -153,13 +154,33 @@ fn what_cannot_be_leaves_everything_as_it_was() {
         ("material", |look| drop(look.surfaces.insert(99, "lambert".parse().unwrap()))),
         ("camera", |look| look.camera = CameraLook::Named("absent".to_owned())),
         ("clip", |look| look.animation.clip = Some("absent".to_owned())),
+        ("time", |look| look.animation.time = f32::NAN),
+        ("rotation", |look| look.environment.rotation = f32::NAN),
+        ("exposure", |look| look.display.exposure = Some(f32::INFINITY)),
+        ("projection", |look| look.environment.projection = Some("absent".to_owned())),
     ];
+    let scene = Arc::clone(studio.stage().scene());
     for (name, edit) in refused {
-        let error = studio.edit(edit).unwrap_err().to_string();
-        assert!(!error.contains('\n'), "{name}: {error}");
-        assert_eq!(studio.look(), &base(), "{name}");
-        assert!(picture(&mut studio) == before, "{name}");
+        // With what is good, none of which is taken over either.
+        for with_more in [false, true] {
+            let edited = studio.edit(|look| {
+                if with_more {
+                    look.reflectance = Some("phong:shininess=30,specular=0.4".parse().unwrap());
+                    look.ground = Ground::Plane;
+                    look.fit.light_count = Some(20);
+                    look.environment.rotation = 90.0;
+                    look.display.tone_mapping = ToneMapping::Linear;
+                }
+                edit(look);
+            });
+            let error = edited.unwrap_err().to_string();
+            assert!(!error.contains('\n'), "{name}: {error}");
+            assert_eq!(studio.look(), &base(), "{name}");
+            assert!(Arc::ptr_eq(&scene, studio.stage().scene()) && !studio.is_busy(), "{name}");
+            assert!(picture(&mut studio) == before, "{name}");
+        }
     }
+    assert!(studio.take_warnings().is_empty());
     // What only a thread finds out.
     let absent = EnvironmentSource::File(PathBuf::from("absent.hdr"));
     studio.edit(|look| look.environment.source = Some(absent)).unwrap();
@@ -264,4 +285,31 @@ fn the_reference_converges_and_starts_anew_when_something_changes() {
     assert!(refused.contains("empty"), "{refused}");
     studio.stop_converging();
     assert!(studio.reference().unwrap().is_none());
+}
+
+/// A reference that is being traced holds the scene, so that it cannot be changed in place.
+#[test]
+fn a_look_that_is_set_while_the_scene_is_held_copies_no_mesh() {
+    let mut project = project(&base());
+    // As files without materials bring it.
+    for mesh in &mut project.scene.meshes {
+        Arc::make_mut(mesh).material = None;
+    }
+    project.look.reflectance = Some("lambert".parse().unwrap());
+    let mut stage = Stage::new(project).unwrap();
+    let edits: [Edit; 4] = [
+        ("reflectance", |look| look.reflectance = Some("phong:shininess=30,specular=0.4".parse().unwrap())),
+        ("one surface", |look| drop(look.surfaces.insert(0, "lambert".parse().unwrap()))),
+        ("time", |look| look.animation.time = 1.0),
+        ("nothing", |look| look.surfaces.clear()),
+    ];
+    for (name, edit) in edits {
+        let held = Arc::clone(stage.scene());
+        let mut look = stage.look().clone();
+        edit(&mut look);
+        stage.set_look(look).unwrap();
+        assert!(!Arc::ptr_eq(&held, stage.scene()), "{name}");
+        let mut meshes = held.meshes.iter().zip(&stage.scene().meshes);
+        assert!(meshes.all(|(before, after)| Arc::ptr_eq(before, after)), "{name} copies meshes");
+    }
 }

@@ -52,11 +52,8 @@ pub fn settle(budget_ms: f64, gpu_options: &GpuOptions, stage: &Stage) -> Result
             "a frame rate is held by the number of lights: choose some with --lights",
         ));
     }
-    let best = LevelOfDetail {
-        lights: look.fit.light_count.map_or(LodRange::default().best.lights, |count| count as u32),
-        shadow_resolution: look.techniques.shadow_resolution,
-        shadow_sampling: look.techniques.shadow_sampling,
-    };
+    let lights = look.fit.light_count.map_or(LodRange::default().best.lights, |count| count as u32);
+    let best = LevelOfDetail::of(&look.techniques, lights);
     let frame_rate = FrameRate::new(budget_ms, LodRange::up_to(best))?;
     let [width, height] = look.picture.size;
     let mut studio = Studio::new(&Gpu::new(gpu_options)?, stage.clone())?;
@@ -84,8 +81,7 @@ impl Settled {
         let mut look = look.clone();
         look.fit.light_count = Some(self.level.lights as usize);
         look.fit.threshold = None;
-        look.techniques.shadow_resolution = self.level.shadow_resolution;
-        look.techniques.shadow_sampling = self.level.shadow_sampling;
+        self.level.set(&mut look.techniques);
         look
     }
 

@@ -10,7 +10,7 @@ mod expected_error;
 #[cfg(test)]
 mod simulation;
 
-use crate::PassTiming;
+use crate::{PassTiming, TechniqueSettings};
 
 pub use control::{LodController, LodError, LodState};
 
@@ -23,6 +23,25 @@ pub struct LevelOfDetail {
     pub shadow_resolution: u32,
     /// Samples of the picture for one of the shadow buffer, along a side: a power of two.
     pub shadow_sampling: u32,
+}
+
+impl LevelOfDetail {
+    /// What these techniques draw so many lights with.
+    pub fn of(techniques: &TechniqueSettings, lights: u32) -> Self {
+        Self {
+            lights,
+            shadow_resolution: techniques.shadow_resolution,
+            shadow_sampling: techniques.shadow_sampling,
+        }
+    }
+
+    /// Takes all but the number of lights over. Sharp lights keep the ratio of their sampling to that of the others.
+    pub fn set(&self, techniques: &mut TechniqueSettings) {
+        let sharp = self.shadow_sampling * techniques.sharp_shadow_sampling / techniques.shadow_sampling;
+        techniques.sharp_shadow_sampling = sharp.clamp(1, 32);
+        techniques.shadow_resolution = self.shadow_resolution;
+        techniques.shadow_sampling = self.shadow_sampling;
+    }
 }
 
 /// Between which settings a controller may choose, knob by knob.

@@ -125,8 +125,16 @@ impl Plan {
     }
 }
 
+/// Whether these are the very same textures.
+pub(super) fn same_textures(a: &[Arc<Texture>], b: &[Arc<Texture>]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
+}
+
 /// An array and the sampler of all its layers.
+#[derive(Clone)]
 pub(super) struct TextureArray {
+    layers: Vec<Arc<Texture>>,
+    srgb: bool,
     pub view: wgpu::TextureView,
     pub sampler: wgpu::Sampler,
 }
@@ -140,19 +148,15 @@ fn address(wrap: Wrap) -> wgpu::AddressMode {
 }
 
 impl TextureArray {
-    /// Of textures with the same size and sampling; `first` is one of them.
-    pub fn new<'a>(
-        gpu: &Gpu,
-        first: &Texture,
-        srgb: bool,
-        layers: impl ExactSizeIterator<Item = &'a Texture>,
-    ) -> Self {
+    /// Of textures with the same size and sampling; `None` without any.
+    pub fn new(gpu: &Gpu, layers: Vec<Arc<Texture>>, srgb: bool) -> Option<Self> {
+        let first = layers.first()?;
         let format = if srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
         let size = [first.width, first.height, layers.len() as u32];
         let level_count = first.width.max(first.height).ilog2() + 1;
         let array = gpu.texture("material textures", size, level_count, format, usage);
-        for (layer, texture) in (0..).zip(layers) {
+        for (layer, texture) in (0..).zip(&layers) {
             for (level, texels) in (0..).zip(mip_chain(texture, srgb)) {
                 let size = [(texture.width >> level).max(1), (texture.height >> level).max(1)];
                 gpu.write_texture(&array, [level, layer], size, bytemuck::cast_slice(&texels));
@@ -170,7 +174,12 @@ impl TextureArray {
             anisotropy_clamp: if first.nearest { 1 } else { 8 },
             ..Default::default()
         });
-        Self { view: array_view(&array), sampler }
+        Some(Self { view: array_view(&array), sampler, layers, srgb })
+    }
+
+    /// Whether it is that of these textures.
+    pub fn holds(&self, layers: &[Arc<Texture>], srgb: bool) -> bool {
+        self.srgb == srgb && same_textures(&self.layers, layers)
     }
 }
 

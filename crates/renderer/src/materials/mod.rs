@@ -1,5 +1,7 @@
 //! Materials and their textures on the GPU.
 
+use std::sync::Arc;
+
 use glam::{UVec2, Vec4};
 use gnomon_brdf::ROUGHNESS;
 use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureRef, Wrap};
@@ -7,7 +9,7 @@ use gnomon_shaders::layout;
 
 mod arrays;
 
-use arrays::{Plan, TextureArray, TextureUse};
+use arrays::{Plan, TextureArray, TextureUse, same_textures};
 
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::{Gpu, RenderError};
@@ -22,6 +24,17 @@ pub(crate) struct Materials {
     bind_groups: Vec<wgpu::BindGroup>,
     plan: Plan,
     used: Vec<Vec<TextureUse>>,
+    /// Of the scene.
+    scene_textures: Vec<Arc<Texture>>,
+    arrays: Vec<TextureArray>,
+    /// Parameters that the next frame takes over.
+    changed: Option<MaterialRecords>,
+}
+
+/// What the GPU knows of materials beside their textures' texels.
+pub(crate) struct MaterialRecords {
+    records: Vec<layout::Material>,
+    textures: Vec<layout::MaterialTexture>,
 }
 
 /// The G-buffer numbers materials with 16 bits.
@@ -60,7 +73,13 @@ pub(crate) fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 }
 
 impl Materials {
-    pub fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, scene: &Scene) -> Result<Self, RenderError> {
+    /// The materials of a scene. Arrays of the same textures, by their `Arc`, are those that `before` has.
+    pub fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        scene: &Scene,
+        before: Option<&Self>,
+    ) -> Result<Self, RenderError> {
         let over = |what, wanted: u64, limit: u64| RenderError::OverLimit {
             what,
             wanted,
@@ -82,7 +101,7 @@ impl Materials {
             |needed| over("sizes and wrappings of one material's textures", needed as u64, slots.into()),
         )?;
 
-        let (records, references) = records(scene, &plan);
+        let MaterialRecords { records, textures: references } = records(scene, &plan);
         let storage = wgpu::BufferUsages::STORAGE;
         let records = gpu.shared_buffer("materials", records.as_slice(), storage);
         let references = gpu.shared_buffer("material textures", references.as_slice(), storage);
@@ -90,37 +109,59 @@ impl Materials {
             .arrays
             .iter()
             .filter_map(|layers| {
-                let first = layers.first()?;
-                let of_layers = layers.iter().map(|layer| scene.textures[layer.texture.0].as_ref());
-                Some(TextureArray::new(gpu, &scene.textures[first.texture.0], first.srgb, of_layers))
+                let srgb = layers.first()?.srgb;
+                let of_layers: Vec<_> =
+                    layers.iter().map(|layer| Arc::clone(&scene.textures[layer.texture.0])).collect();
+                let mut known = before.into_iter().flat_map(|before| &before.arrays);
+                let same = known.find(|array| array.holds(&of_layers, srgb)).cloned();
+                same.or_else(|| TextureArray::new(gpu, of_layers, srgb))
             })
             .collect();
         // For slots that a set leaves free.
         let black =
             Texture { width: 1, height: 1, rgba8: vec![[0; 4]], wrap: [Wrap::Repeat; 2], nearest: false };
-        let free = TextureArray::new(gpu, &black, false, [&black].into_iter());
+        let free = TextureArray::new(gpu, vec![Arc::new(black)], false);
         let bind_groups = plan.sets.iter().map(|set| {
             let mut resources = vec![(0, records.as_entire_binding()), (1, references.as_entire_binding())];
             for slot in 0..slots {
-                let array = set.get(slot as usize).map_or(&free, |&array| &arrays[array]);
+                let array = set.get(slot as usize).map(|&array| &arrays[array]).or(free.as_ref());
+                let Some(array) = array else { continue };
                 resources.push((2 * slot + 2, wgpu::BindingResource::TextureView(&array.view)));
                 resources.push((2 * slot + 3, wgpu::BindingResource::Sampler(&array.sampler)));
             }
             gpu.bind_group("materials", layout, &resources)
         });
-        Ok(Self { bind_groups: bind_groups.collect(), records, textures: references, plan, used })
+        Ok(Self {
+            bind_groups: bind_groups.collect(),
+            records,
+            textures: references,
+            plan,
+            used,
+            scene_textures: scene.textures.clone(),
+            arrays,
+            changed: None,
+        })
     }
 
-    /// Takes new parameters of the same materials over, for the next frame; `false` where their number or a texture is another.
-    pub fn rewrite(&self, gpu: &Gpu, scene: &Scene) -> bool {
+    /// New parameters of the same materials; `None` where their number or a texture is another.
+    pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
-        if !scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned()) {
-            return false;
+        let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
+        (same_uses && same_textures(&scene.textures, &self.scene_textures))
+            .then(|| records(scene, &self.plan))
+    }
+
+    /// Takes such parameters over, for the next frame.
+    pub fn change(&mut self, records: MaterialRecords) {
+        self.changed = Some(records);
+    }
+
+    /// Brings what has changed to the GPU.
+    pub fn upload(&mut self, gpu: &Gpu) {
+        if let Some(MaterialRecords { records, textures }) = self.changed.take() {
+            gpu.write(&self.records, records.as_slice());
+            gpu.write(&self.textures, textures.as_slice());
         }
-        let (records, textures) = records(scene, &self.plan);
-        gpu.write(&self.records, records.as_slice());
-        gpu.write(&self.textures, textures.as_slice());
-        true
     }
 
     /// The number of one of the scene's materials, or of the default one.
@@ -135,7 +176,7 @@ impl Materials {
 }
 
 /// Of every material, the default one last.
-fn records(scene: &Scene, plan: &Plan) -> (Vec<layout::Material>, Vec<layout::MaterialTexture>) {
+fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
     let (mut records, mut references) = (Vec::new(), Vec::new());
     let default = Material::default();
     for (number, material) in scene.materials.iter().chain([&default]).enumerate() {
@@ -158,7 +199,7 @@ fn records(scene: &Scene, plan: &Plan) -> (Vec<layout::Material>, Vec<layout::Ma
         let end_texture = references.len() as u32;
         records.push(layout::Material { first_texture, end_texture, ..record(material) });
     }
-    (records, references)
+    MaterialRecords { records, textures: references }
 }
 
 /// A material without its textures.

@@ -5,24 +5,29 @@ use gnomon_scene::{Bounds, Camera};
 use gnomon_shaders::layout;
 
 use super::{Lit, Renderer, Target};
-use crate::RenderError;
 use crate::debug_view::{self, DebugGroup, DebugPass, DebugView};
 use crate::light_batches::LitScene;
 use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
 
 /// A view in force.
 pub(super) struct Debug {
     view: &'static DebugView,
     light: usize,
     pass: DebugPass,
-    /// One for every batch of lights.
-    groups: Vec<DebugGroup>,
 }
 
 impl Debug {
     /// The light of the frame's list that alone is summed.
     pub fn only_light(&self, lit: &Lit) -> Option<usize> {
         self.view.sums_one_light().then(|| self.light_of(lit)).flatten()
+    }
+
+    /// What it needs of every batch of lights.
+    pub fn groups(&self, gpu: &Gpu, view: &wgpu::Buffer, lit: &Lit) -> Vec<DebugGroup> {
+        let background = &lit.lighting.background;
+        let group = |(lights, maps)| self.pass.group(gpu, view, background, lights, maps);
+        lit.batches.lights_and_maps().map(group).collect()
     }
 
     /// The chosen light, or the last one where there are fewer.
@@ -40,16 +45,24 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::UnknownName`]; the view is then what it was.
     pub fn set_debug_view(&mut self, name: &str, light: usize) -> Result<(), RenderError> {
-        let scopes = self.gpu.catch_errors();
-        self.debug = match debug_view::by_name(name)? {
+        let (gpu, passes) = (&self.gpu, &self.passes);
+        let scopes = gpu.catch_errors();
+        let debug = match debug_view::by_name(name)? {
             None => None,
             Some(view) => {
-                let (gpu, passes) = (&self.gpu, &self.passes);
                 let layouts = [&passes.gbuffer.read_layout, &passes.points.compose_layout];
-                Some(Debug { view, light, pass: DebugPass::new(gpu, layouts)?, groups: Vec::new() })
+                Some(Debug { view, light, pass: DebugPass::new(gpu, layouts)? })
             }
         };
-        self.bind_debug_view();
+        let shown = debug.as_ref().zip(self.state.lit.as_ref());
+        let groups = shown.map(|(debug, lit)| debug.groups(gpu, &self.view, lit)).unwrap_or_default();
+        scopes.finish()?;
+        let scopes = gpu.catch_errors();
+        if let Some(lit) = &mut self.state.lit {
+            lit.batches.sum_only(gpu, debug.as_ref().and_then(|debug| debug.only_light(lit)));
+            lit.debug_groups = groups;
+        }
+        self.debug = debug;
         scopes.finish()
     }
 
@@ -61,17 +74,6 @@ impl Renderer {
     /// Number of lights that a frame sums: of the environment, its ambient rest and the scene.
     pub fn light_count(&self) -> usize {
         self.state.lit.as_ref().map_or(0, |lit| lit.batches.light_count())
-    }
-
-    /// Makes what a debug view needs of the lights.
-    pub(super) fn bind_debug_view(&mut self) {
-        let Some(lit) = &mut self.state.lit else { return };
-        let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
-        lit.batches.sum_only(&self.gpu, only);
-        let Some(debug) = &mut self.debug else { return };
-        let group =
-            |(lights, maps)| debug.pass.group(&self.gpu, &self.view, &lit.lighting.background, lights, maps);
-        debug.groups = lit.batches.lights_and_maps().map(group).collect();
     }
 
     /// Draws the view into the samples of `target`.
@@ -87,10 +89,10 @@ impl Renderer {
         if let Some((batch, _)) = chosen.filter(|_| debug.view.reads_map()) {
             lit.batches.prepare_again(recorder, scene, batch)?;
         }
-        let [least, range] = depth_range(camera, self.bounds);
+        let [least, range] = depth_range(camera, self.geometry.bounds());
         let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
         let mut lights_before = 0;
-        for (i, (group, light_count)) in debug.groups.iter().zip(lit.batches.sizes()).enumerate() {
+        for (i, (group, light_count)) in lit.debug_groups.iter().zip(lit.batches.sizes()).enumerate() {
             let light = chosen.and_then(|(batch, light)| (batch == i).then_some(light));
             let parameters = layout::DebugParameters {
                 light: light.unwrap_or(0),
@@ -108,14 +110,14 @@ impl Renderer {
             lights_before += light_count;
         }
         let shown = match debug.view.draws_all_lights() {
-            true => 0..debug.groups.len(),
+            true => 0..lit.debug_groups.len(),
             false => {
                 let batch = chosen.map_or(0, |(batch, _)| batch);
                 batch..batch + 1
             }
         };
         let groups = [&target.gbuffer.group, &target.points.compose_group];
-        let batches = debug.groups.iter().skip(shown.start).take(shown.len());
+        let batches = lit.debug_groups.iter().skip(shown.start).take(shown.len());
         debug.pass.encode(recorder, batches, groups, sample_size);
         Ok(())
     }

@@ -184,6 +184,7 @@ impl Renderer {
         if !self.target.as_ref().is_some_and(fits) {
             self.target = Some(self.new_target(size, plan)?);
         }
+        self.upload_changes();
         self.fit_lights()?;
         let State { chosen, compose, cache, lit } = &self.state;
         let (Some(lit), Some(target), settings) = (lit, &self.target, &chosen.settings) else {
@@ -191,7 +192,7 @@ impl Renderer {
         };
         let samples = settings.techniques.supersample;
         let sample_size = size.map(|side| side * samples);
-        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.bounds);
+        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.geometry.bounds());
         let matrices = matrices.cropped(height, rows);
         self.write_uniforms((lit, target), camera, &matrices, sample_size);
 
@@ -282,16 +283,19 @@ impl Renderer {
 
     /// The sums of light that scene and lights ask for.
     fn sum_planes(&self) -> SumPlanes {
-        SumPlanes { specular: self.is_glossy, near: !self.near_lights.is_empty() }
+        SumPlanes {
+            specular: self.surfaces.iter().any(|surface| !surface.is_matte()),
+            near: !self.near_lights.is_empty(),
+        }
     }
 
     /// Plans batches anew where the target's points ask for it, and fits lights around the scene where anything moved.
     fn fit_lights(&mut self) -> Result<(), RenderError> {
         let room = self.room_for_points();
         if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(room))
-            && let Some(lit) = self.relit(&self.near_lights)?
+            && let Some(lit) = self.relit()?
         {
-            self.take_lit(lit);
+            self.state.lit = Some(lit);
         }
         if let Some(lit) = &mut self.state.lit {
             let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));

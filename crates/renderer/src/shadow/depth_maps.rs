@@ -166,9 +166,10 @@ impl ShadowMapPass {
                 _ => (&self.projected, &self.masked_projected),
             };
             let (masked, whole) = geometry.split_masked(&casters.indices);
+            let [positions_world, _, _, attributes] = geometry.vertex_buffers();
             pass.set_pipeline(whole_pipeline);
             pass.set_bind_group(layout::GROUP_PASS, lights.group, &[]);
-            pass.set_vertex_buffer(0, geometry.positions_world.slice(..));
+            pass.set_vertex_buffer(0, positions_world.slice(..));
             pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
             for indices in whole {
                 pass.draw_indexed(indices, 0, number..number + 1);
@@ -177,7 +178,7 @@ impl ShadowMapPass {
                 continue;
             }
             pass.set_pipeline(masked_pipeline);
-            pass.set_vertex_buffer(1, geometry.static_attributes.slice(..));
+            pass.set_vertex_buffer(1, attributes.slice(..));
             for range in masked {
                 let material = frame.materials.number(range.material);
                 pass.set_bind_group(layout::GROUP_SURFACE, frame.materials.bind_group(material), &[]);

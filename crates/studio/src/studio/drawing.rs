@@ -120,19 +120,15 @@ impl Studio {
     /// What the look asks for.
     fn asked_for(&self) -> LevelOfDetail {
         let look = self.look();
-        LevelOfDetail {
-            lights: look.fit.light_count.unwrap_or(self.lights.lights.len()) as u32,
-            shadow_resolution: look.techniques.shadow_resolution,
-            shadow_sampling: look.techniques.shadow_sampling,
-        }
+        let lights = look.fit.light_count.unwrap_or(self.lights.lights.len());
+        LevelOfDetail::of(&look.techniques, lights as u32)
     }
 
     fn set_level_of_detail(&mut self, level: LevelOfDetail) -> Result<(), StudioError> {
         self.edit(|look| {
             // A threshold would decide the number of lights.
             (look.fit.light_count, look.fit.threshold) = (Some(level.lights as usize), None);
-            look.techniques.shadow_resolution = level.shadow_resolution;
-            look.techniques.shadow_sampling = level.shadow_sampling;
+            level.set(&mut look.techniques);
         })
     }
 }

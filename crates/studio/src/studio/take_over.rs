@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use gnomon_envmap::Equirect;
 use gnomon_options::Given;
-use gnomon_renderer::{Gpu, PreparedLighting, Renderer};
+use gnomon_renderer::{Change, Gpu, LightingChange, PreparedLighting, SceneChange};
 
-use super::{LightingKey, Studio, Update};
+use super::{LightingKey, Studio, Update, checked, renderer_of};
 use crate::environment::{LightingRequest, LightingResult, MapSource, work_out, work_out_stage};
 use crate::frame_rate::FramesInFlight;
 use crate::{Look, Project, SceneSource, Stage, StudioError};
@@ -17,6 +17,8 @@ pub(super) struct SceneRequest {
     look: Look,
     environment: Arc<Equirect>,
     lit_for: LightingKey,
+    /// Whether a program gave the files of the scene before.
+    was_given: bool,
 }
 
 /// A scene ready for the device.
@@ -31,7 +33,10 @@ impl SceneRequest {
     pub fn work_out(self) -> Result<LoadedStage, StudioError> {
         let asked_for = self.look.clone();
         let project = Project::open_source(self.source, self.look, &Given::default())?;
-        let stage = match self.lit_for.same_map(&LightingKey::of(&project.look, false)) {
+        // The files that two programs give may be others of one name.
+        let is_given = self.was_given || matches!(project.source, SceneSource::Files(_));
+        let is_same = self.lit_for.same_map(&LightingKey::of(&project.look, false));
+        let stage = match is_same && !(is_given && project.brings_environment) {
             true => Stage::under(project, self.environment, Vec::new())?,
             false => Stage::new(project)?,
         };
@@ -49,6 +54,7 @@ impl Studio {
             look: self.look().clone(),
             environment: Arc::clone(self.stage.environment()),
             lit_for: self.lit_for.clone(),
+            was_given: matches!(self.stage.source(), SceneSource::Files(_)),
         });
     }
 
@@ -61,7 +67,7 @@ impl Studio {
 
     /// Reads the look's environment anew on a thread: after its file has changed, or to end a stream.
     pub fn reload_environment(&mut self) {
-        self.request_lighting_by(MapSource::Unread);
+        self.request_lighting_by(MapSource::Unread(self.stage.source().clone()));
     }
 
     /// Whether lights or a scene are worked on.
@@ -101,11 +107,8 @@ impl Studio {
     /// # Errors
     /// As [`Studio::new`]; the session then stays as it was.
     pub fn reopen(&mut self, gpu: &Gpu) -> Result<(), StudioError> {
-        let prepared = self.prepare_lighting()?;
-        let mut renderer = Renderer::new(gpu, self.settings())?;
-        renderer.set_scene(self.stage.scene())?;
-        renderer.set_environment_rotation(self.stage.world_from_environment())?;
-        renderer.set_prepared_lighting(prepared)?;
+        let mut renderer = renderer_of(gpu, &self.stage, self.prepare_lighting()?)?;
+        renderer.set_profile(self.times_passes());
         self.renderer = renderer;
         self.in_flight = FramesInFlight::default();
         Ok(())
@@ -122,7 +125,7 @@ impl Studio {
     pub(super) fn request_lighting(&mut self) {
         self.request_lighting_by(match self.lit_for.same_map(&self.wanted_lighting()) {
             true => MapSource::Loaded(Arc::clone(self.stage.environment())),
-            false => MapSource::Unread,
+            false => MapSource::Unread(self.stage.source().clone()),
         });
     }
 
@@ -143,52 +146,53 @@ impl Studio {
 
     fn light_up(&mut self, result: LightingResult) -> Result<(), StudioError> {
         let LightingResult { map, lights, prepared, warnings, look, ground } = result;
-        self.renderer.set_prepared_lighting(prepared)?;
+        let mut stage = self.stage.clone();
+        // The suitable exposure is that of the environment that is seen now.
+        stage.set_environment(map, warnings);
+        let lighting = Some(LightingChange::Prepared(Box::new(prepared)));
+        self.renderer.change(Change { lighting, ..self.change_to(&stage) })?;
         self.lit_for = LightingKey::of(&look, ground);
         self.lights = Arc::new(lights);
-        self.stage.set_environment(map, warnings);
-        // The suitable exposure is that of the environment that is seen now.
-        let settings = self.settings();
-        Ok(self.renderer.set_display(settings.display)?)
+        self.stage = stage;
+        Ok(())
     }
 
-    /// Puts the look back to the lights that are in force, unless others are still to come.
+    /// Asks for the lights that are in force, unless others are still to come.
     fn forget_lighting(&mut self) {
         if !self.lighting.is_busy() {
-            let mut look = self.look().clone();
-            self.lit_for.restore(&mut look);
-            // Only what threads are for differs: nothing of it can fail here.
-            let _ = self.stage.change_look(look);
+            self.lit_for.restore(self.stage.look_for_lights());
         }
     }
 
     fn take_scene(&mut self, loaded: Result<LoadedStage, StudioError>) -> Update {
-        let now = self.look().clone();
-        let taken = loaded.and_then(|LoadedStage { stage, lighting, asked }| {
-            let before = std::mem::replace(&mut self.stage, stage);
-            let result = self.put_on_device(before.look()).and_then(|()| self.light_up(lighting));
-            if result.is_err() {
-                let failed = std::mem::replace(&mut self.stage, before);
-                // It was on the device before: there is no reason why it should not be again.
-                self.put_on_device(failed.look())?;
-            }
-            result.map(|()| asked)
-        });
-        let taken = taken.and_then(|asked| {
-            // Lights that are being fitted are those of the scene before.
-            self.lighting.forget();
-            self.edit(|look| look.keep_changes(&asked, &now))
-        });
-        match taken {
+        match loaded.and_then(|loaded| self.show(loaded)) {
             Ok(()) => Update::Scene,
             Err(error) => Update::Failed(error),
         }
     }
 
-    /// Puts the stage on the device, where another was, seen by `was`; all but its environment.
-    fn put_on_device(&mut self, was: &Look) -> Result<(), StudioError> {
-        self.renderer.set_scene(self.stage.scene())?;
-        self.apply_settings(was)?;
-        Ok(self.renderer.set_environment_rotation(self.stage.world_from_environment())?)
+    fn show(&mut self, loaded: LoadedStage) -> Result<(), StudioError> {
+        let LoadedStage {
+            stage,
+            lighting: LightingResult { lights, prepared, look: lit_for, ground, .. },
+            asked,
+        } = loaded;
+        let mut look = stage.look().clone();
+        look.keep_changes(&asked, self.look());
+        let (stage, _) = checked(&stage, look)?;
+        self.renderer.change(Change {
+            scene: Some(SceneChange::Whole(stage.scene())),
+            lighting: Some(LightingChange::Prepared(Box::new(prepared))),
+            ..self.change_to(&stage)
+        })?;
+        self.stage = stage;
+        self.lit_for = LightingKey::of(&lit_for, ground);
+        self.lights = Arc::new(lights);
+        // Lights that are being fitted are those of the scene before.
+        self.lighting.forget();
+        if self.wanted_lighting() != self.lit_for {
+            self.request_lighting();
+        }
+        Ok(())
     }
 }

@@ -14,6 +14,7 @@ pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
     let name = match studio.stage().source() {
         SceneSource::Builtin(name) => name.clone(),
         SceneSource::File(path) => file_name(path),
+        SceneSource::Files(files) => file_name(files.path()),
     };
     let triangles = studio.scene().triangle_count();
     let animations: Vec<(String, f32)> = (studio.scene().animations.iter())

@@ -1,0 +1,257 @@
+//! Everything that changes while running goes one way: it is made anew, checked, and then takes the place of what there was.
+
+use glam::Quat;
+use gnomon_brdf::Surface;
+use gnomon_lights::LightSet;
+use gnomon_scene::{PlacedLight, Scene};
+
+use super::state::{EnvironmentGroups, Lit, Surroundings};
+use super::{Renderer, Target};
+use crate::RenderError;
+use crate::RenderSettings;
+use crate::compose::ComposePass;
+use crate::geometry::{Geometry, MovedGeometry};
+use crate::lighting::{Lighting, PreparedLighting};
+use crate::materials::{MaterialRecords, Materials};
+use crate::radiance_cache::RadianceCache;
+use crate::settings::{Chosen, in_range};
+
+/// What a renderer is to take over, all of it or nothing ([`Renderer::change`]). What is `None` stays as it is.
+#[derive(Default)]
+pub struct Change<'a> {
+    /// Settings. Those of the ambient rest ([`RenderSettings::lighting`]) count with [`LightingChange::Fit`], and before there is any
+    /// lighting; otherwise they stay what the lighting was made with.
+    pub settings: Option<RenderSettings>,
+    /// The scene.
+    pub scene: Option<SceneChange<'a>>,
+    /// How the environment is turned: what was seen towards `d` is then seen towards `world_from_environment * d`.
+    pub world_from_environment: Option<Quat>,
+    /// Environment or lights.
+    pub lighting: Option<LightingChange<'a>>,
+}
+
+/// A scene, and what of it is another than before. Whatever this says, a scene that places other meshes is taken over whole.
+#[derive(Clone, Copy)]
+pub enum SceneChange<'a> {
+    /// Everything may be. Only meshes and textures that the renderer does not hold yet are uploaded.
+    Whole(&'a Scene),
+    /// Materials, reflectance models among them.
+    Materials(&'a Scene),
+    /// The pose: node transforms, joints, morph weights.
+    Pose(&'a Scene),
+}
+
+/// Other lights.
+pub enum LightingChange<'a> {
+    /// An environment. What it was worked out with for the ambient rest becomes part of the settings.
+    Prepared(Box<PreparedLighting>),
+    /// Another fit to the environment in force, or another treatment of its ambient rest.
+    Fit(&'a LightSet),
+}
+
+/// What a change makes anew. Nothing of it is in force yet, and nothing in force knows of it.
+struct Next {
+    chosen: Chosen,
+    compose: Option<ComposePass>,
+    cache: Option<RadianceCache>,
+    lit: Option<Lit>,
+    /// For lights that stay.
+    groups: Option<EnvironmentGroups>,
+    world_from_environment: Quat,
+    scene: NextScene,
+}
+
+/// What it makes of a scene.
+#[derive(Default)]
+struct NextScene {
+    geometry: Option<NextGeometry>,
+    materials: Option<NextMaterials>,
+    near_lights: Option<Vec<PlacedLight>>,
+    surfaces: Option<Vec<Surface>>,
+}
+
+enum NextGeometry {
+    New(Box<Geometry>),
+    Moved(MovedGeometry),
+}
+
+enum NextMaterials {
+    New {
+        materials: Box<Materials>,
+        /// Of the target.
+        gbuffer: Option<wgpu::BindGroup>,
+    },
+    Changed(MaterialRecords),
+}
+
+impl Renderer {
+    /// Takes a change over by the least work: a pose, a turn, other parameters of materials and how radiance is shown make nothing new on
+    /// the device; other techniques leave meshes, textures and maps of the environment where they are; a scene uploads what of its
+    /// meshes and textures is not there yet.
+    ///
+    /// Where it fails, everything is as it was. That counts for what the device reports, too, as when it has no memory left. Only a browser
+    /// reports that later: then the change is in force, and the next call tells the error.
+    ///
+    /// # Errors
+    /// [`RenderError::Option`] and [`RenderError::OutOfRange`] for what cannot be, [`RenderError::OverLimit`] and
+    /// [`RenderError::OverBudget`] for what adapter or memory cannot hold, [`RenderError::Device`] for what the device reports.
+    pub fn change(&mut self, change: Change<'_>) -> Result<(), RenderError> {
+        let scopes = self.gpu.catch_errors();
+        let next = self.prepare(change);
+        scopes.finish()?;
+        self.take(next?);
+        Ok(())
+    }
+
+    fn prepare(&self, change: Change<'_>) -> Result<Next, RenderError> {
+        let (gpu, is) = (&self.gpu, &self.state);
+        let Change { settings, scene, world_from_environment, lighting } = change;
+        let mut chosen = settings.map_or(Ok(is.chosen.clone()), |settings| Chosen::new(gpu, settings))?;
+        if is.lit.is_some() && !matches!(lighting, Some(LightingChange::Fit(_))) {
+            chosen.take_rest(is.chosen.ambient, is.chosen.settings.lighting.ambient_cells);
+        }
+        let world_from_environment =
+            world_from_environment.map_or(Ok(self.world_from_environment), checked_rotation)?;
+        let lighting = match lighting {
+            None => None,
+            Some(LightingChange::Prepared(prepared)) => {
+                chosen.take_rest(prepared.ambient, prepared.ambient_cells);
+                Some(Lighting::new(gpu, *prepared)?)
+            }
+            Some(LightingChange::Fit(set)) => {
+                let Some(lit) = &is.lit else {
+                    return Err(RenderError::Device("no lighting was set".to_owned()));
+                };
+                let ambient = chosen.ambient.lights(set, chosen.settings.lighting.ambient_cells)?;
+                Some(lit.lighting.clone().with_lights(gpu, ambient))
+            }
+        };
+        let scene = scene.map_or(Ok(NextScene::default()), |scene| self.next_scene(scene))?;
+
+        let other_techniques = chosen.settings.techniques != is.chosen.settings.techniques;
+        let compose = match other_techniques {
+            true => Some(self.passes.compose(gpu, &chosen)?),
+            false => None,
+        };
+        let lobes = chosen.cached_lobes(scene.surfaces.as_ref().unwrap_or(&self.surfaces));
+        let cache = match other_techniques || !is.cache.has_room_for(&lobes) {
+            true => Some(self.new_cache(&chosen, lobes)),
+            false => None,
+        };
+        let near_lights = scene.near_lights.as_ref().unwrap_or(&self.near_lights);
+        let surroundings = Surroundings {
+            chosen: &chosen,
+            compose: compose.as_ref().unwrap_or(&is.compose),
+            cache: cache.as_ref().unwrap_or(&is.cache),
+            near_lights,
+            world_from_environment,
+        };
+        // More or fewer lights of the scene need other maps.
+        let needs_maps = other_techniques || near_lights.len() != self.near_lights.len();
+        let in_force = || is.lit.as_ref().filter(|_| needs_maps).map(|lit| lit.lighting.clone());
+        let lit = lighting.or_else(in_force).map(|lighting| self.lit(&surroundings, lighting)).transpose()?;
+        let stays = is.lit.as_ref().filter(|_| lit.is_none() && cache.is_some());
+        let groups = stays.map(|lit| self.environment_groups(&surroundings, &lit.lighting));
+        Ok(Next { compose, cache, lit, groups, world_from_environment, scene, chosen })
+    }
+
+    fn next_scene(&self, change: SceneChange<'_>) -> Result<NextScene, RenderError> {
+        let (SceneChange::Whole(scene) | SceneChange::Materials(scene) | SceneChange::Pose(scene)) = change;
+        let placed = self.geometry.placed_by(scene);
+        let moves = placed.is_none() || !matches!(change, SceneChange::Materials(_));
+        let looks_different = placed.is_none() || !matches!(change, SceneChange::Pose(_));
+        let (gpu, passes) = (&self.gpu, &self.passes);
+        let mut next = NextScene::default();
+        if moves {
+            next.near_lights = Some(scene.placed_lights());
+            next.geometry = Some(match placed {
+                Some(placed) => NextGeometry::Moved(self.geometry.moved(scene, &placed)?),
+                None => {
+                    let geometry = Geometry::new(gpu, &passes.transform, scene, Some(&self.geometry))?;
+                    NextGeometry::New(Box::new(geometry))
+                }
+            });
+        }
+        if looks_different {
+            next.surfaces = Some(scene.materials.iter().map(|material| material.surface).collect());
+            next.materials = Some(match self.materials.records_of(scene) {
+                Some(records) => NextMaterials::Changed(records),
+                None => {
+                    let materials =
+                        Materials::new(gpu, &passes.gbuffer.material_layout, scene, Some(&self.materials))?;
+                    let group = |target: &Target| passes.gbuffer.group_with(gpu, &target.gbuffer, &materials);
+                    NextMaterials::New {
+                        gbuffer: self.target.as_ref().map(group),
+                        materials: Box::new(materials),
+                    }
+                }
+            });
+        }
+        Ok(next)
+    }
+
+    /// Nothing here can fail: it makes nothing on the device. What lies in buffers that stay is written with the next frame.
+    fn take(&mut self, next: Next) {
+        let Next { chosen, compose, cache, lit, groups, world_from_environment, scene } = next;
+        let NextScene { geometry, materials, near_lights, surfaces } = scene;
+        let mut refit = geometry.is_some();
+        match geometry {
+            Some(NextGeometry::New(geometry)) => self.geometry = *geometry,
+            Some(NextGeometry::Moved(moved)) => self.geometry.take(moved),
+            None => {}
+        }
+        match materials {
+            Some(NextMaterials::New { materials, gbuffer }) => {
+                self.materials = *materials;
+                if let (Some(target), Some(group)) = (&mut self.target, gbuffer) {
+                    target.gbuffer.group = group;
+                }
+            }
+            Some(NextMaterials::Changed(records)) => self.materials.change(records),
+            None => {}
+        }
+        if let Some(near_lights) = near_lights {
+            self.near_lights = near_lights;
+        }
+        if let Some(surfaces) = surfaces {
+            self.surfaces = surfaces;
+        }
+        let is = &mut self.state;
+        is.chosen = chosen;
+        if let Some(compose) = compose {
+            is.compose = compose;
+        }
+        match cache {
+            Some(cache) => is.cache = cache,
+            None => is.cache.rewrite(is.chosen.cached_lobes(&self.surfaces)),
+        }
+        if let (Some(lit), Some(groups)) = (&mut is.lit, groups) {
+            lit.environment = groups;
+        }
+        match (&mut is.lit, lit) {
+            (lit, Some(new)) => *lit = Some(new),
+            (Some(lit), None) => {
+                if world_from_environment != self.world_from_environment {
+                    lit.lighting.turn(world_from_environment);
+                    refit = true;
+                }
+                if refit {
+                    lit.batches.refit();
+                }
+            }
+            (None, None) => {}
+        }
+        self.world_from_environment = world_from_environment;
+    }
+
+    /// Brings to the GPU what was changed in buffers that stayed.
+    pub(super) fn upload_changes(&mut self) {
+        self.geometry.upload(&self.gpu);
+        self.materials.upload(&self.gpu);
+    }
+}
+
+fn checked_rotation(rotation: Quat) -> Result<Quat, RenderError> {
+    in_range("length of the environment's rotation", rotation.length(), 0.999..=1.001)?;
+    Ok(rotation.normalize())
+}

@@ -1,0 +1,67 @@
+//! Scenes whose files a program gives.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gnomon_envmap::{Environment, Projection, from_bytes};
+use gnomon_scene_files::{ReadError, Resolver};
+
+use crate::StudioError;
+
+/// Longest file of an environment that is read [bytes].
+const LONGEST_MAP: usize = 1 << 31;
+
+/// A scene file with the files that it names: models, textures, an environment. They come from wherever a program has them: what was
+/// dropped on a page, an archive, a server.
+#[derive(Clone)]
+pub struct SceneFiles {
+    path: PathBuf,
+    files: Arc<dyn Resolver + Send + Sync>,
+}
+
+impl SceneFiles {
+    /// The scene file at `path` among `files`: a map from paths to bytes, or whatever else gives them.
+    pub fn new(path: impl Into<PathBuf>, files: impl Resolver + Send + Sync + 'static) -> Self {
+        Self { path: path.into(), files: Arc::new(files) }
+    }
+
+    /// Path of the scene file, which tells its format.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(crate) fn resolver(&self) -> &dyn Resolver {
+        &*self.files
+    }
+
+    /// One of the files as an environment.
+    pub(crate) fn environment(
+        &self,
+        path: &Path,
+        projection: Option<Projection>,
+    ) -> Result<Environment, StudioError> {
+        let shown = path.display();
+        let bytes = self.files.read(path, LONGEST_MAP).map_err(|error| match error {
+            ReadError::Io(source) => StudioError::Read { path: path.to_owned(), source },
+            ReadError::NotRegular => StudioError::Request(format!("{shown} is not a regular file")),
+            ReadError::TooLong => StudioError::Request(format!("{shown} is longer than {LONGEST_MAP} bytes")),
+        })?;
+        Ok(from_bytes(path, &bytes, projection)?)
+    }
+}
+
+impl fmt::Debug for SceneFiles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SceneFiles").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// The same path among the very same files.
+impl PartialEq for SceneFiles {
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path && Arc::ptr_eq(&self.files, &other.files)
+    }
+}
+
+impl Eq for SceneFiles {}
