@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::FitOptions;
+use gnomon_options::Options;
 use gnomon_scene::{Bounds, Camera, Material, MaterialId, NodeId, Scene, camera_around};
 
 use crate::environment::load_environment;
@@ -57,8 +58,8 @@ pub(crate) struct SceneChange {
 impl SceneChange {
     fn between(was: &Look, new: &Look) -> Self {
         Self {
-            dressed: (&was.reflectance, &was.surfaces, was.ground)
-                != (&new.reflectance, &new.surfaces, new.ground),
+            dressed: (&was.reflectance, &was.surfaces, &was.scene)
+                != (&new.reflectance, &new.surfaces, &new.scene),
             moved: was.animation != new.animation,
             reaches_elsewhere: was.animation.clip != new.animation.clip,
         }
@@ -106,7 +107,7 @@ fn dress(scene: &mut Scene, look: &Look, reach: Option<Bounds>) -> Result<(), St
     if let Some(reflectance) = &look.reflectance {
         scene.set_reflectance(reflectance);
     }
-    scene.add_ground_under(look.ground, reach);
+    scene.add_ground_under(look.scene.ground, reach);
     let count = scene.materials.len();
     for (&index, settings) in &look.surfaces {
         let material = scene.materials.get_mut(index).ok_or_else(|| {
@@ -123,7 +124,7 @@ impl Stage {
     /// # Errors
     /// A scene without environment, files that cannot be used, names of nothing.
     pub fn new(project: Project) -> Result<Self, StudioError> {
-        let (map, warnings) = load_environment(&project.look.environment)?;
+        let (map, warnings) = load_environment(&project.look)?;
         Self::under(project, Arc::new(map), warnings)
     }
 
@@ -157,7 +158,7 @@ impl Stage {
             warnings,
         };
         stage.warn_of_dress();
-        check_rotation(&stage.look)?;
+        stage.look.check()?;
         stage.camera()?;
         Ok(stage)
     }
@@ -265,10 +266,9 @@ impl Stage {
     /// # Errors
     /// As [`Stage::new`]; everything is then as it was.
     pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
-        let (was, new) = (&self.look.environment, &look.environment);
-        let map = match (&was.source, &was.projection) == (&new.source, &new.projection) {
+        let map = match self.look.has_map_of(&look) {
             true => None,
-            false => Some(load_environment(new)?),
+            false => Some(load_environment(&look)?),
         };
         self.change_look(look)?;
         if let Some((map, warnings)) = map {
@@ -279,7 +279,7 @@ impl Stage {
 
     /// The same but for the environment, which is the caller's to load.
     pub(crate) fn change_look(&mut self, look: Look) -> Result<SceneChange, StudioError> {
-        check_rotation(&look)?;
+        look.check()?;
         let was = std::mem::replace(&mut self.look, look);
         let change = SceneChange::between(&was, &self.look);
         let applied = self.apply(change).and_then(|()| self.camera().map(drop));
@@ -320,12 +320,5 @@ impl Stage {
         self.automatic_exposure = map.suitable_exposure();
         self.environment = map;
         self.warnings.extend(warnings);
-    }
-}
-
-fn check_rotation(look: &Look) -> Result<(), StudioError> {
-    match look.environment.rotation.is_finite() {
-        true => Ok(()),
-        false => Err(StudioError::Request("the environment's rotation must be finite".to_owned())),
     }
 }

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Projection};
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
-use gnomon_options::Options;
+
 use gnomon_renderer::{Gpu, LightingSettings, MeasureSettings, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Scene};
+use gnomon_scene_files::EnvironmentSource;
 
 use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
-use crate::look::EnvironmentLook;
 use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
 mod drawing;
@@ -56,7 +56,8 @@ pub struct Studio {
 /// What the lights of an environment depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct LightingKey {
-    environment: EnvironmentLook,
+    map: Option<EnvironmentSource>,
+    projection: Option<Projection>,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
@@ -66,8 +67,9 @@ struct LightingKey {
 impl LightingKey {
     fn of(look: &Look, ground: bool) -> Self {
         Self {
+            map: look.map.clone(),
             // Turning needs no new lights.
-            environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
+            projection: look.environment.projection,
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
             lighting: look.lighting.clone(),
@@ -75,13 +77,13 @@ impl LightingKey {
     }
 
     fn same_map(&self, other: &Self) -> bool {
-        self.environment == other.environment
+        (&self.map, self.projection) == (&other.map, other.projection)
     }
 
     /// Puts a look back to what these lights are for.
     fn restore(&self, look: &mut Look) {
-        look.environment =
-            EnvironmentLook { rotation: look.environment.rotation, ..self.environment.clone() };
+        look.map = self.map.clone();
+        look.environment.projection = self.projection;
         look.fit = self.fit.clone();
         look.lighting = self.lighting.clone();
     }
@@ -207,8 +209,6 @@ impl Studio {
             return Ok(());
         }
         // Names that only a thread would look up are told at once.
-        look.environment.projection()?;
-        look.check()?;
         look.fit.fit(false)?;
         let change = self.stage.change_look(look)?;
         if change.dressed {
