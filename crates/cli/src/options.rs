@@ -6,7 +6,7 @@ mod inputs;
 mod look;
 mod sequence;
 
-pub use environment::load_environment;
+pub use environment::{environment_help, load_environment};
 pub use gpu::GpuArgs;
 pub use inputs::{InputArgs, stage};
 pub use look::{Fitted, LookArgs, Selection};

@@ -6,7 +6,7 @@ use gnomon::studio;
 use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
-use crate::options::{Fitted, LookArgs, Selection, load_environment};
+use crate::options::{Fitted, LookArgs, Selection, environment_help, load_environment};
 use crate::output;
 
 /// Take an environment apart into area lights and an ambient rest
@@ -18,8 +18,8 @@ use crate::output;
   gnomon decompose grace.hdr --preview lights.png
   gnomon decompose room --method partition --light-count 60 -o lights.json --residual rest.exr")]
 pub struct DecomposeArgs {
-    /// Environment map (HDR or EXR), or a built-in one: room, sky
-    #[arg(value_name = "ENV")]
+    /// Environment map, or a built-in one
+    #[arg(value_name = "ENV", help = environment_help())]
     environment: String,
 
     #[command(flatten)]

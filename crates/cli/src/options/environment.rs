@@ -18,6 +18,11 @@ pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result
     Ok(if degrees == 0.0 { map } else { map.rotated(degrees.to_radians()) })
 }
 
+/// What an environment may be, for help texts.
+pub fn environment_help() -> String {
+    format!("Environment map (HDR or EXR), or a built-in one: {}", builtin_names())
+}
+
 /// Names of the built-in environments, for people.
 pub fn builtin_names() -> String {
     builtin::names().collect::<Vec<_>>().join(", ")

@@ -3,24 +3,24 @@ use std::path::Path;
 use clap::Args;
 use gnomon::brdf::{Model, Parameter};
 use gnomon::options::Given;
-use gnomon::scene::{Camera, ReflectanceSettings};
-use gnomon::scene_files::read_camera;
+use gnomon::scene::{Camera, ReflectanceSettings, builtin};
+use gnomon::scene_files::{self, read_camera};
 use gnomon::studio::{CameraLook, Look, Project, Stage, environment_named};
 use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
-use crate::options::environment::builtin_names;
+use crate::options::environment::{builtin_names, environment_help};
 use crate::options::look::{LookArgs, Shown};
 
 /// What is seen, under which light, from where.
 #[derive(Args, Debug)]
 pub struct InputArgs {
-    /// Scene file (glTF, OBJ, PLY or TOML), or a built-in one: three-boxes, column, terrain
-    #[arg(value_name = "SCENE")]
+    /// Scene file, or a built-in one
+    #[arg(value_name = "SCENE", help = scene_help())]
     scene: String,
 
-    /// Environment map (HDR or EXR), or a built-in one: room, sky [default: the scene file's]
-    #[arg(long, value_name = "ENV")]
+    /// Environment map, or a built-in one
+    #[arg(long, value_name = "ENV", help = format!("{} [default: the scene file's]", environment_help()))]
     env: Option<String>,
 
     /// View: 'eye=X,Y,Z; target=X,Y,Z; fov=DEGREES' (horizontal), a TOML or JSON file with these three, or the name of one of
@@ -70,6 +70,11 @@ impl InputArgs {
         }
         Ok(project)
     }
+}
+
+fn scene_help() -> String {
+    let formats: Vec<_> = scene_files::formats().iter().map(|format| format.name).collect();
+    format!("Scene file ({}), or a built-in one: {}", formats.join(", "), builtin::NAMES.join(", "))
 }
 
 /// What `--reflectance` takes: every model with its parameters.
