@@ -109,7 +109,7 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
         ("pcss-search-samples", "0", ("render.pcss", "search_samples"), "0", "a whole number from 1 to 1024"),
         ("prefilter", "box", ("render", "prefilter"), "\"box\"", "one of: mip, sat"),
         ("size", "8x", ("display", "size"), "[8, 0]", "WIDTHxHEIGHT in pixels, as in 640x480"),
-        ("time", "nan", ("animation", "time"), "nan", "a finite number s"),
+        ("time", "nan", ("animation", "time"), "nan", "a finite number [s]"),
         ("background", "maybe", ("display", "background"), "\"maybe\"", "true or false"),
     ] {
         let argument = format!("--{option}");

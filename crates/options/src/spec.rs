@@ -134,9 +134,9 @@ pub const fn between(least: f32, most: f32) -> OptionSpec {
     of_kind(Kind::Number { least, most, closed: false })
 }
 
-/// Any number but infinities.
-pub const fn any_number() -> OptionSpec {
-    number(f32::MIN, f32::MAX)
+/// Any finite number of a unit.
+pub const fn any_number(unit: &'static str) -> OptionSpec {
+    number(f32::MIN, f32::MAX).unit(unit)
 }
 
 /// Any angle.

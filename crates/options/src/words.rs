@@ -13,7 +13,9 @@ impl OptionSpec {
             Kind::Whole { least, most: i64::MAX } => format!("a whole number from {least}{unit}"),
             Kind::Whole { least, most } => format!("a whole number from {least} to {most}{unit}"),
             Kind::PowerOfTwo { least, most } => format!("a power of two from {least} to {most}{unit}"),
-            Kind::Number { least: f32::MIN, most: f32::MAX, .. } => format!("a finite number{unit}"),
+            Kind::Number { least: f32::MIN, most: f32::MAX, .. } => {
+                format!("a finite number [{}]", self.unit)
+            }
             Kind::Number { least, most, closed: true } => format!("a number from {least} to {most}{unit}"),
             Kind::Number { least, most, closed: false } => {
                 format!("a number above {least} and below {most}{unit}")

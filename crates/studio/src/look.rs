@@ -109,7 +109,7 @@ settings! {
         /// Clip that plays, by its name, or by its number from 0 where none has that name.
         clip: Option<String> = None, text().automatic("none: the models as they stand", 0.0);
         /// Time in the clip; beyond its end it starts again.
-        time: f32 = 0.0, any_number().unit("s");
+        time: f32 = 0.0, any_number("s");
     }
 }
 
