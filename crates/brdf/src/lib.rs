@@ -34,9 +34,7 @@ pub use model::blinn_phong::blinn_phong_norm;
 pub use model::torrance_sparrow_beckmann::d_beckmann;
 pub use model::torrance_sparrow_gaussian::{d_gaussian, gaussian_masking_slope, gaussian_norm};
 pub use model::{Model, ReflectanceModel};
-pub use parameter::{
-    BASE_COLOR, IOR, METALLIC, Parameter, ROUGHNESS, SHININESS, SLOPE, SPECULAR, SPECULAR_COLOR,
-};
+pub use parameter::*;
 pub use sampling::sample_cosine_hemisphere;
 pub use surface::Surface;
 pub use torrance_sparrow::{g1_smith_beckmann, v_smith_beckmann};

@@ -39,6 +39,11 @@ impl Parameter {
         self.name == name || self.alias == Some(name)
     }
 
+    /// What people may call it, for a list.
+    pub fn names(&self) -> String {
+        self.alias.map_or(self.name.to_owned(), |alias| format!("{} (or {alias})", self.name))
+    }
+
     /// Whether every channel is in the range; not for NaN.
     pub fn allows(&self, value: Vec3) -> bool {
         let [least, most] = self.range;

@@ -5,11 +5,10 @@ mod error;
 mod options;
 mod output;
 
-use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use gnomon_terminal::{Terminal, exit_status, explain};
+use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
 
@@ -49,14 +48,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    exit_status(NAME, run(std::env::args_os()).as_ref().copied().map_err(|error| error as _))
+    gnomon_terminal::run(NAME, run)
 }
 
-fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), CliError> {
-    let cli = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
-        Err(error) => return Ok(explain(NAME, &error)?),
-    };
+fn run(cli: &Cli) -> Result<(), CliError> {
     let terminal = Terminal::new(NAME, cli.quiet);
     match &cli.command {
         Command::Render(args) => command::render::run(args, terminal),

@@ -6,13 +6,11 @@ mod inputs;
 mod look;
 mod sequence;
 
-pub use environment::load_environment;
+pub use environment::{environment_help, load_environment};
 pub use gpu::GpuArgs;
 pub use inputs::{InputArgs, stage};
-pub use look::{Fitted, LookArgs};
+pub use look::{Fitted, LookArgs, Selection};
 pub use sequence::SequenceArgs;
-
-use gnomon::envmap::Projection;
 
 /// A finite number.
 ///
@@ -39,17 +37,6 @@ pub fn positive(text: &str) -> Result<f32, String> {
 /// Says what was expected.
 pub fn stops(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|stops| stops.abs() <= 60.0).ok_or("expected stops from -60 to 60".to_owned())
-}
-
-/// A projection by its name.
-///
-/// # Errors
-/// Lists the names.
-pub fn projection(text: &str) -> Result<Projection, String> {
-    Projection::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Projection::all().map(Projection::name).collect();
-        format!("known projections are {}", names.join(", "))
-    })
 }
 
 #[cfg(test)]

@@ -42,7 +42,10 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["render", "three-boxes", "--env", "room", "-o", "absent/a.png"], "no folder absent"),
         (&["render", "three-boxes", "-o", "a.png", "--size", "8x8"], "--env"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--lights", "lamps"], "lamps"),
-        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--ground", "lava"], "'lava'"),
+        (
+            &["render", "three-boxes", "--env", "room", "-o", "a.png", "--ground", "lava"],
+            "`lava`: it takes one of: none, plane",
+        ),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--camera", "eye=1,2"], "eye"),
         (
             &["render", "three-boxes", "--env", "room", "-o", "a.png", "--reflectance", "phnog"],
@@ -106,6 +109,7 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
         ("pcss-search-samples", "0", ("render.pcss", "search_samples"), "0", "a whole number from 1 to 1024"),
         ("prefilter", "box", ("render", "prefilter"), "\"box\"", "one of: mip, sat"),
         ("size", "8x", ("display", "size"), "[8, 0]", "WIDTHxHEIGHT in pixels, as in 640x480"),
+        ("time", "nan", ("animation", "time"), "nan", "a finite number [s]"),
         ("background", "maybe", ("display", "background"), "\"maybe\"", "true or false"),
     ] {
         let argument = format!("--{option}");
@@ -116,6 +120,21 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
         std::fs::write(folder.path().join("a.toml"), format!("{scene}[{table}]\n{key} = {value}\n")).unwrap();
         let run = gnomon(folder.path(), &["render", "a.toml", "-o", "a.png"]).failed(allowed);
         assert!(run.err.contains("line 6: ") && run.err.contains(&format!("`{key}`")), "{}", run.err);
+    }
+    for (line, allowed) in [
+        (
+            "projection = \"mercator\"",
+            "line 3: `projection` cannot be `mercator`: it takes one of: equirect, vertical-cross",
+        ),
+        ("rotation = inf", "line 3: `rotation` cannot be `inf`: it takes a finite angle in degrees"),
+        (
+            "turn = 3",
+            "line 3: unknown field `turn`, expected one of `file`, `builtin`, `exposure`, `projection`, `rotation`",
+        ),
+    ] {
+        let text = scene.replace("[[model]]", &format!("{line}\n[[model]]"));
+        std::fs::write(folder.path().join("a.toml"), text).unwrap();
+        gnomon(folder.path(), &["render", "a.toml", "-o", "a.png"]).failed(allowed);
     }
     std::fs::write(folder.path().join("a.toml"), format!("{scene}[render.pcss]\nsamples = 3\n")).unwrap();
     gnomon(folder.path(), &["render", "a.toml", "-o", "a.png"])

@@ -246,7 +246,7 @@ fn tiny_maps_have_a_meaning_and_odd_shapes_an_error() {
     }
     for (width, height) in [(1000, 1), (1, 1000), (7, 5)] {
         let text = reload(&RgbImage::filled(width, height, Vec3::ONE), None).unwrap_err().to_string();
-        for projection in Projection::all() {
+        for &projection in Projection::ALL {
             assert!(text.contains(projection.name()), "{text}");
         }
         assert_eq!(text.lines().count(), 1);

@@ -23,11 +23,10 @@ mod suite;
 mod timing;
 mod truth;
 
-use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use gnomon_terminal::{Terminal, exit_status, explain};
+use gnomon_terminal::Terminal;
 
 use crate::data::{DataFolder, Environment, View};
 use crate::error::LabError;
@@ -65,14 +64,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    exit_status(NAME, run(std::env::args_os()).as_ref().copied().map_err(|error| error as _))
+    gnomon_terminal::run(NAME, run)
 }
 
-fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), LabError> {
-    let cli = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
-        Err(error) => return Ok(explain(NAME, &error)?),
-    };
+fn run(cli: &Cli) -> Result<(), LabError> {
     let terminal = Terminal::new(NAME, cli.quiet);
     match &cli.command {
         Command::Fits(args) => fits::run(args, terminal),

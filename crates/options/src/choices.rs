@@ -36,6 +36,20 @@ macro_rules! choices {
             }
         }
 
+        impl $crate::serde::Serialize for $name {
+            fn serialize<S: $crate::serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+
+        impl<'de> $crate::serde::Deserialize<'de> for $name {
+            fn deserialize<D: $crate::serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let name = <String as $crate::serde::Deserialize>::deserialize(deserializer)?;
+                let unknown = || $crate::serde::de::Error::unknown_variant(&name, &[$( $text, )+]);
+                Self::from_name(&name).ok_or_else(unknown)
+            }
+        }
+
         impl $crate::OptionField for $name {
             fn get(&self) -> $crate::OptionValue {
                 $crate::OptionValue::Name(self.name().to_owned())

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 
 use crate::{OptionError, OptionSpec, OptionValue, Options, specs};
@@ -73,8 +73,19 @@ impl Given {
     pub fn deserialize<'de, T: Options + Default, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Self, D::Error> {
+        Self::deserialize_beside::<T, D>(&[], deserializer)
+    }
+
+    /// The same of a table that holds keys of `others` too, which are passed over.
+    ///
+    /// # Errors
+    /// As [`Given::deserialize`].
+    pub fn deserialize_beside<'de, T: Options + Default, D: Deserializer<'de>>(
+        others: &[&str],
+        deserializer: D,
+    ) -> Result<Self, D::Error> {
         let mut given = Self::default();
-        Table { specs: &specs::<T>(), table: "", given: &mut given }.deserialize(deserializer)?;
+        Table { specs: &specs::<T>(), table: "", others, given: &mut given }.deserialize(deserializer)?;
         Ok(given)
     }
 }
@@ -83,6 +94,7 @@ impl Given {
 struct Table<'a> {
     specs: &'a [&'static OptionSpec],
     table: &'a str,
+    others: &'a [&'a str],
     given: &'a mut Given,
 }
 
@@ -102,11 +114,14 @@ impl<'de> Visitor<'de> for Table<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let Self { specs, table, given } = self;
-        while let Some(entry) = map.next_key_seed(Key { specs, table, given })? {
+        let Self { specs, table, others, given } = self;
+        while let Some(entry) = map.next_key_seed(Key { specs, table, others, given })? {
             match entry {
                 Entry::Option(spec) => drop(given.0.insert(spec.name(), map.next_value_seed(Value(spec))?)),
-                Entry::Table(table) => map.next_value_seed(Table { specs, table, given: &mut *given })?,
+                Entry::Table(table) => {
+                    map.next_value_seed(Table { specs, table, others: &[], given: &mut *given })?;
+                }
+                Entry::Other => drop(map.next_value::<IgnoredAny>()?),
             }
         }
         Ok(())
@@ -117,12 +132,14 @@ impl<'de> Visitor<'de> for Table<'_> {
 enum Entry {
     Option(&'static OptionSpec),
     Table(&'static str),
+    Other,
 }
 
 /// Reads a key, so that one that cannot be is told with its line.
 struct Key<'a> {
     specs: &'a [&'static OptionSpec],
     table: &'a str,
+    others: &'a [&'a str],
     given: &'a Given,
 }
 
@@ -142,6 +159,9 @@ impl Visitor<'_> for Key<'_> {
     }
 
     fn visit_str<E: Error>(self, key: &str) -> Result<Entry, E> {
+        if self.others.contains(&key) {
+            return Ok(Entry::Other);
+        }
         let is_outer = self.table.is_empty();
         let is_meant = |spec: &OptionSpec| {
             spec.group.table == self.table && spec.key == key
@@ -166,7 +186,7 @@ impl Visitor<'_> for Key<'_> {
 impl Key<'_> {
     fn unknown<E: Error>(&self, key: &str) -> E {
         let own = self.specs.iter().filter(|spec| spec.group.table == self.table).map(|spec| spec.key);
-        let mut known: Vec<&str> = own.collect();
+        let mut known: Vec<&str> = self.others.iter().copied().chain(own).collect();
         if self.table.is_empty() {
             known.extend(self.specs.iter().map(|spec| spec.group.table).filter(|table| !table.is_empty()));
             known.dedup();

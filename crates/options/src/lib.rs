@@ -13,16 +13,19 @@ mod field;
 mod given;
 mod settings;
 mod spec;
-mod text;
 mod value;
+mod words;
 
 pub use error::OptionError;
 pub use field::OptionField;
 pub use given::Given;
 pub use settings::{Options, specs};
-pub use spec::{Choice, Group, Kind, OptionSpec, between, choice, number, power_of_two, size, whole, yes_no};
-pub use text::markdown;
+pub use spec::{
+    Choice, Group, Kind, OptionSpec, angle, any_number, between, choice, number, power_of_two, size, text,
+    whole, yes_no,
+};
 pub use value::OptionValue;
+pub use words::markdown;
 
 #[doc(hidden)]
 pub use given::serialize;

@@ -27,6 +27,8 @@ pub struct OptionSpec {
     pub alias: Option<&'static str>,
     heading: Option<&'static str>,
     condition: Option<(&'static str, &'static str)>,
+    /// The default in words, where it is not the same for every scene.
+    pub(crate) varies: Option<&'static str>,
 }
 
 /// Options that belong together.
@@ -68,6 +70,10 @@ pub enum Kind {
         /// Whether it may be as small or as large as that.
         closed: bool,
     },
+    /// Any angle [degrees]; whole turns more are the same.
+    Angle,
+    /// Any text.
+    Text,
     /// One of a list that is asked for when it is needed.
     Choice(fn() -> Vec<Choice>),
     /// Width and height [pixels].
@@ -99,6 +105,7 @@ const fn of_kind(kind: Kind) -> OptionSpec {
         alias: None,
         heading: None,
         condition: None,
+        varies: None,
     }
 }
 
@@ -125,6 +132,21 @@ pub const fn number(least: f32, most: f32) -> OptionSpec {
 /// A number, bounds excluded.
 pub const fn between(least: f32, most: f32) -> OptionSpec {
     of_kind(Kind::Number { least, most, closed: false })
+}
+
+/// Any finite number of a unit.
+pub const fn any_number(unit: &'static str) -> OptionSpec {
+    number(f32::MIN, f32::MAX).unit(unit)
+}
+
+/// Any angle.
+pub const fn angle() -> OptionSpec {
+    of_kind(Kind::Angle).unit("degrees")
+}
+
+/// Any text.
+pub const fn text() -> OptionSpec {
+    of_kind(Kind::Text)
 }
 
 /// One of a list.
@@ -166,6 +188,12 @@ impl OptionSpec {
     #[must_use]
     pub const fn alias(self, alias: &'static str) -> Self {
         Self { alias: Some(alias), ..self }
+    }
+
+    /// Its default is not the same for every scene: `meaning` says what it is.
+    #[must_use]
+    pub const fn varies(self, meaning: &'static str) -> Self {
+        Self { varies: Some(meaning), ..self }
     }
 
     /// Its heading, where that is not the group's.
@@ -235,6 +263,11 @@ impl OptionSpec {
     /// # Errors
     /// [`OptionError`] for what the option cannot be.
     pub fn accept(&self, value: OptionValue) -> Result<OptionValue, OptionError> {
+        let number = match value {
+            OptionValue::Whole(number) => Some(number as f32),
+            OptionValue::Number(number) => Some(number),
+            _ => None,
+        };
         let accepted = match (self.kind, &value) {
             (_, OptionValue::Automatic) => self.automatic.map(|_| value.clone()),
             (Kind::Bool, OptionValue::Bool(_)) => Some(value.clone()),
@@ -245,16 +278,14 @@ impl OptionSpec {
                 let is_power = u64::try_from(*number).is_ok_and(u64::is_power_of_two);
                 (is_power && (least..=most).contains(number)).then(|| value.clone())
             }
-            (Kind::Number { least, most, closed }, OptionValue::Whole(_) | OptionValue::Number(_)) => {
-                let number = match value {
-                    OptionValue::Whole(number) => number as f32,
-                    OptionValue::Number(number) => number,
-                    _ => f32::NAN,
-                };
-                let is_in =
-                    if closed { least <= number && number <= most } else { least < number && number < most };
-                is_in.then_some(OptionValue::Number(number))
+            (Kind::Number { least, most, closed: true }, _) => {
+                number.filter(|number| (least..=most).contains(number)).map(OptionValue::Number)
             }
+            (Kind::Number { least, most, closed: false }, _) => {
+                number.filter(|number| least < *number && *number < most).map(OptionValue::Number)
+            }
+            (Kind::Angle, _) => number.filter(|number| number.is_finite()).map(OptionValue::Number),
+            (Kind::Text, OptionValue::Name(_)) => Some(value.clone()),
             (Kind::Choice(choices), OptionValue::Name(name)) => {
                 choices().iter().any(|choice| choice.name == name).then(|| value.clone())
             }
@@ -269,12 +300,14 @@ impl OptionSpec {
     /// # Errors
     /// As [`OptionSpec::accept`].
     pub fn parse(&self, text: &str) -> Result<OptionValue, OptionError> {
+        let whole = text;
         let text = text.trim();
         let value = match self.kind {
             _ if self.automatic.is_some() && text == "automatic" => Some(OptionValue::Automatic),
             Kind::Bool => text.parse().ok().map(OptionValue::Bool),
             Kind::Whole { .. } | Kind::PowerOfTwo { .. } => text.parse().ok().map(OptionValue::Whole),
-            Kind::Number { .. } => text.parse().ok().map(OptionValue::Number),
+            Kind::Number { .. } | Kind::Angle => text.parse().ok().map(OptionValue::Number),
+            Kind::Text => Some(OptionValue::Name(whole.to_owned())),
             Kind::Choice(_) => Some(OptionValue::Name(text.to_owned())),
             Kind::Size => text.split_once(['x', 'X']).and_then(|(width, height)| {
                 Some(OptionValue::Size([width.parse().ok()?, height.parse().ok()?]))

@@ -2,8 +2,8 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use gnomon_options::{
-    Given, Group, OptionValue, Options, choice, choices, markdown, number, power_of_two, settings, size,
-    specs, whole, yes_no,
+    Given, Group, OptionValue, Options, angle, any_number, choice, choices, markdown, number, power_of_two,
+    settings, size, specs, text, whole, yes_no,
 };
 
 static KITCHEN: Group = Group { table: "", heading: "Kitchen", condition: None };
@@ -49,6 +49,63 @@ settings! {
         /// The soup.
         soup: SoupSettings;
     }
+}
+
+settings! {
+    /// Who cooks.
+    pub struct CookSettings in KITCHEN {
+        /// Name of the cook.
+        name: Option<String> = None, text().automatic("whoever is there", 0.0);
+        /// Balance of the kitchen.
+        balance: f32 = 0.0, any_number("EUR");
+        /// Where the cook looks.
+        view: f32 = 0.0, angle();
+        /// What the cook likes best.
+        pot: Pot = Pot::Iron, choice(Pot::choices).varies("iron for stews, clay for the rest");
+    }
+}
+
+#[test]
+fn texts_and_numbers_without_bounds() {
+    let settings: CookSettings = toml::from_str("name = \" Ann \"\nbalance = -1e30\nview = 720").unwrap();
+    let expected =
+        CookSettings { name: Some(" Ann ".into()), balance: -1e30, view: 720.0, ..Default::default() };
+    assert_eq!(settings, expected);
+    assert_eq!(toml::from_str::<CookSettings>(&toml::to_string(&expected).unwrap()).unwrap(), expected);
+    for (text, message) in [
+        ("name = 3", "`name` cannot be `3`: it takes a text, or automatic"),
+        ("balance = inf", "`balance` cannot be `inf`: it takes a finite number [EUR]"),
+        ("view = nan", "`view` cannot be `NaN`: it takes a finite angle in degrees"),
+    ] {
+        let error = toml::from_str::<CookSettings>(text).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+    let specs = specs::<CookSettings>();
+    assert_eq!(specs[0].parse(" 7 "), Ok(OptionValue::Name(" 7 ".into())), "a text is what it is");
+    let line = specs[3].help_line(&OptionValue::Name("iron".into()));
+    assert!(line.ends_with("[default: iron for stews, clay for the rest]"), "{line}");
+    let text = markdown("", &CookSettings::default());
+    assert!(text.starts_with("| key | value | default |") && text.contains("| whoever is there |"), "{text}");
+}
+
+#[test]
+fn keys_of_others_are_passed_over() {
+    let read = |text| {
+        let table = toml::Deserializer::parse(text).unwrap();
+        Given::deserialize_beside::<KitchenSettings, _>(&["owner"], table).map_err(|error| error.to_string())
+    };
+    assert!(read("owner = [1, 2]\nopen = false").unwrap().has("open"));
+    let error = read("owned = 1").unwrap_err();
+    assert!(error.contains("expected one of `owner`, `pot`"), "{error}");
+    assert!(read("[soup]\nowner = 3").is_err());
+}
+
+#[test]
+fn choices_are_read_and_written_by_name() {
+    assert_eq!(serde_json::to_string(&Pot::Clay).unwrap(), "\"clay\"");
+    assert_eq!(serde_json::from_str::<Pot>("\"clay\"").unwrap(), Pot::Clay);
+    let error = serde_json::from_str::<Pot>("\"tin\"").unwrap_err().to_string();
+    assert!(error.contains("unknown variant `tin`, expected `iron` or `clay`"), "{error}");
 }
 
 fn spec(name: &str) -> &'static gnomon_options::OptionSpec {

@@ -38,7 +38,7 @@ impl<'a> Progressive<'a> {
         check(camera, &[environment], options)?;
         let &ReferenceOptions { width, height, seed, samples_per_pixel, .. } = options;
         Ok(Self {
-            tracer: environment_tracer(scene, environment)?,
+            tracer: environment_tracer(scene, environment, options)?,
             camera: camera.clone(),
             size: UVec2::new(width, height),
             seed,

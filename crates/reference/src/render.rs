@@ -32,6 +32,8 @@ pub struct ReferenceOptions<'a> {
     pub height: u32,
     /// Samples of a pixel, at least 2; above 32 rounded up to a multiple of 32. Powers of two are the most even.
     pub samples_per_pixel: u32,
+    /// Whether the environment is seen behind the scene.
+    pub background: bool,
     /// The same seed gives the same picture, bit for bit.
     pub seed: u64,
     /// Told the finished share, 0..1, now and then, from any thread.
@@ -42,7 +44,15 @@ pub struct ReferenceOptions<'a> {
 
 impl Default for ReferenceOptions<'_> {
     fn default() -> Self {
-        Self { width: 1024, height: 768, samples_per_pixel: 256, seed: 0, progress: None, cancel: None }
+        Self {
+            width: 1024,
+            height: 768,
+            samples_per_pixel: 256,
+            background: true,
+            seed: 0,
+            progress: None,
+            cancel: None,
+        }
     }
 }
 
@@ -78,20 +88,21 @@ pub fn render(
     options: &ReferenceOptions,
 ) -> Result<Estimate, ReferenceError> {
     check(camera, &[environment], options)?;
-    estimate(&environment_tracer(scene, environment)?, camera, options)
+    estimate(&environment_tracer(scene, environment, options)?, camera, options)
 }
 
 /// The scene under the environment itself, ready to be traced.
 pub(crate) fn environment_tracer<'a>(
     scene: &'a Scene,
     environment: &'a Equirect,
+    options: &ReferenceOptions,
 ) -> Result<Tracer<'a>, ReferenceError> {
     Ok(Tracer {
         scene: TracedScene::new(scene)?,
         shadowed: Illumination::new(Some(EnvironmentSampler::new(environment)), &[])
             .with_near(&scene.placed_lights()),
         unshadowed: None,
-        background: environment,
+        background: options.background.then_some(environment),
     })
 }
 
@@ -117,6 +128,7 @@ pub fn render_lights(
         }
     };
     let shadowed = shadowed.with_near(&scene.placed_lights());
+    let background = options.background.then_some(background);
     let tracer = Tracer { scene: TracedScene::new(scene)?, shadowed, unshadowed, background };
     estimate(&tracer, camera, options)
 }

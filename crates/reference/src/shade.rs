@@ -13,8 +13,8 @@ pub(crate) struct Tracer<'a> {
     pub(crate) shadowed: Illumination<'a>,
     /// Light that reaches every surface it is above.
     pub(crate) unshadowed: Option<Illumination<'a>>,
-    /// What the camera sees behind the scene.
-    pub(crate) background: &'a Equirect,
+    /// What the camera sees behind the scene, black where there is none.
+    pub(crate) background: Option<&'a Equirect>,
 }
 
 /// Share of the samples that follow the reflectance of a matte surface; the others follow the light, which is aimed by the
@@ -27,7 +27,9 @@ const GLOSSY_REFLECTION_SHARE: f64 = 0.5;
 impl Tracer<'_> {
     /// One unbiased estimate of the radiance that arrives along a camera ray.
     pub(crate) fn radiance(&self, ray: &Ray, sequence: &Sequence, index: u32) -> Vec3 {
-        let Some(hit) = self.scene.closest_hit(ray) else { return self.background.lookup(ray.direction) };
+        let Some(hit) = self.scene.closest_hit(ray) else {
+            return self.background.map_or(Vec3::ZERO, |map| map.lookup(ray.direction));
+        };
         let wo = -ray.direction;
         let point = self.scene.hit_point(&hit, wo);
         let mut numbers =

@@ -49,6 +49,20 @@ fn the_seed_and_not_the_threads_decide() {
     assert_eq!(one.samples_per_pixel, 64);
 }
 
+/// A pixel is that of the other picture, or else black.
+#[test]
+fn the_background_can_be_left_out() {
+    let (scene, camera, map) = still_life();
+    let with = |background| {
+        let options = ReferenceOptions { background, ..options(2) };
+        render(&scene, &camera, &map, &options).unwrap().mean
+    };
+    let (seen, hidden) = (with(true), with(false));
+    assert_eq!(hidden.get(0, 0), Vec3::ZERO, "above the floor there is nothing");
+    assert_eq!(hidden.get(16, 12), seen.get(16, 12), "the sphere is lit as ever");
+    assert!(seen.get(0, 0).min_element() > 0.1);
+}
+
 /// Two seeds differ by as much as their variances say: z^2 averages 1, or 31/29 as 32 batches estimate each variance.
 #[test]
 fn the_variance_is_honest() {

@@ -1,11 +1,8 @@
 //! Shader functions against their Rust twins over random inputs, on whatever adapter there is.
 
-use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
-use gnomon_lights::{DistantLight, LightShape};
-use gnomon_shaders::twin::{
-    depth_moments, half_pairs, hemisphere, math, resample, sample_pattern, series, weighted_box,
-};
+use gnomon_shaders::twin::{half_pairs, hemisphere, math, resample};
 use gnomon_testing::tolerances::SHADER_TWIN;
 
 use crate::bindings::Binding;
@@ -13,7 +10,9 @@ use crate::gpu::ReadBack;
 use crate::{Gpu, GpuOptions};
 
 mod gbuffer_packing;
+mod lights;
 mod reflectance;
+mod shadows;
 
 const COUNT: usize = 4096;
 
@@ -220,166 +219,6 @@ fn ggx() {
 }
 
 #[test]
-fn form_factors() {
-    let input = |u: Vec4, v: Vec4| [unit_vector(u).extend(0.01 + 1.4 * u.z), unit_vector(v).extend(0.0)];
-    compare(
-        "form_factor",
-        "vec4f(disk_form_factor(b.xyz, a.xyz, a.w), 0.0, 0.0, 0.0)",
-        2e-4,
-        input,
-        |[a, b]| scalar(gnomon_lights::form_factor::disk_form_factor(b.truncate(), a.truncate(), a.w)),
-    );
-    // A rectangle on the plane z = 1, counter-clockwise seen from the origin.
-    let corners = |u: Vec4| {
-        let min = Vec2::new(u.x, u.y) * 1.6 - 1.0;
-        let max = min + Vec2::new(u.z, u.w) * 0.35 + 0.05;
-        [min, Vec2::new(min.x, max.y), max, Vec2::new(max.x, min.y)].map(|p| p.extend(1.0).normalize())
-    };
-    let corner = |x: &str, y: &str| format!("vec4f(normalize(vec3f({x}, {y}, 1.0)), 0.0)");
-    let (x0, y0) = ("a.x * 1.6 - 1.0", "a.y * 1.6 - 1.0");
-    let (x1, y1) = ("a.x * 1.6 - 1.0 + a.z * 0.35 + 0.05", "a.y * 1.6 - 1.0 + a.w * 0.35 + 0.05");
-    let list = [corner(x0, y0), corner(x0, y1), corner(x1, y1), corner(x1, y0)].join(", ");
-    let body = format!("vec4f(rectangle_form_factor(b.xyz, array<vec4f, 4>({list})), 0.0, 0.0, 0.0)");
-    compare(
-        "form_factor",
-        &body,
-        2e-4,
-        |u, v| [u, unit_vector(v).extend(0.0)],
-        |[a, b]| scalar(gnomon_lights::form_factor::rectangle_form_factor(b.truncate(), corners(a))),
-    );
-}
-
-#[test]
-fn flat_disk_form_factors() {
-    // Across, above and below the horizon; from close by to five radii away.
-    let center = "vec3f(a.x * 2.0 - 1.0, a.y * 2.0 - 1.0, a.z * 2.0 + 0.05)";
-    let body = format!(
-        "vec4f(flat_disk_form_factor(b.xyz, {center}, vec3f(0.4, 0.0, 0.0), vec3f(0.0, 0.4 * (0.2 + a.w), 0.0)), 0.0, 0.0, 0.0)"
-    );
-    compare(
-        "form_factor",
-        &body,
-        2e-4,
-        |u, v| [u, unit_vector(v).extend(0.0)],
-        |[a, b]| {
-            let center = Vec3::new(a.x * 2.0 - 1.0, a.y * 2.0 - 1.0, a.z * 2.0 + 0.05);
-            let axes = [Vec3::new(0.4, 0.0, 0.0), Vec3::new(0.0, 0.4 * (0.2 + a.w), 0.0)];
-            scalar(gnomon_lights::form_factor::flat_disk_form_factor(b.truncate(), center, axes[0], axes[1]))
-        },
-    );
-}
-
-#[test]
-fn shadow_series() {
-    for group in 0..4 {
-        let body = format!("series_phases(a.x, {group}u)[0] + 2.0 * series_phases(a.x, {group}u)[1]");
-        compare(
-            "series",
-            &body,
-            SHADER_TWIN,
-            |u, _| [u, Vec4::ZERO],
-            move |[a, _]| {
-                let [cosines, sines] = series::series_phases(a.x, group);
-                cosines + 2.0 * sines
-            },
-        );
-    }
-    let body = "series_weights(u32(a.x * 4.0), u32(a.y * 17.0))";
-    compare(
-        "series",
-        body,
-        1e-6,
-        |u, _| [u, Vec4::ZERO],
-        |[a, _]| series::series_weights((a.x * 4.0) as u32, (a.y * 17.0) as u32),
-    );
-    let body = "vec4f(series_lit(mat2x4f(a, b), b, a.wzyx, a), series_blocker_depth(mat2x4f(a, b), b, a.wzyx, a), 0.0, 0.0)";
-    compare(
-        "series",
-        body,
-        1e-5,
-        |u, v| [u, v],
-        |[a, b]| {
-            let turned = Vec4::new(a.w, a.z, a.y, a.x);
-            let lit = series::series_lit([a, b], b, turned, a);
-            Vec4::new(lit, series::series_blocker_depth([a, b], b, turned, a), 0.0, 0.0)
-        },
-    );
-    let body = "vec4f(suppress_ringing(a.x * 1.4 - 0.2, 0.05, 0.9), sharpen(a.y, a.z, 30.0, 10.0), level_from_width(a.w * 500.0), 0.0)";
-    // Just below a power of two the floor of the logarithm may fall either way; the level is continuous there.
-    compare(
-        "series",
-        body,
-        SHADER_TWIN,
-        |u, _| [u, Vec4::ZERO],
-        |[a, _]| {
-            Vec4::new(
-                series::suppress_ringing(a.x * 1.4 - 0.2, 0.05, 0.9),
-                series::sharpen(a.y, a.z, 30.0, 10.0),
-                series::level_from_width(a.w * 500.0),
-                0.0,
-            )
-        },
-    );
-}
-
-#[test]
-fn sample_patterns() {
-    let body = "vec4f(vogel_disk(u32(a.x * 64.0), u32(a.y * 64.0) + 1u, a.z), hammersley(u32(a.x * 64.0), u32(a.y * 64.0) + 1u))";
-    compare(
-        "sample_pattern",
-        body,
-        SHADER_TWIN,
-        |u, _| [u, Vec4::ZERO],
-        |[a, _]| {
-            let (i, count) = ((a.x * 64.0) as u32, (a.y * 64.0) as u32 + 1);
-            let (disk, square) =
-                (sample_pattern::vogel_disk(i, count, a.z), sample_pattern::hammersley(i, count));
-            disk.extend(square.x).extend(square.y)
-        },
-    );
-}
-
-#[test]
-fn weighted_boxes() {
-    let input = |u: Vec4, v: Vec4| [(2.0 * u - 1.0).with_w(0.0), (0.01 + v).with_z(0.0).with_w(0.0)];
-    let body = "vec4f(weighted_box(a.xyz, b.xy).center, weighted_box(a.xyz, b.xy).half_extent)";
-    compare("weighted_box", body, 1e-3, input, |[a, b]| {
-        let found = weighted_box::weighted_box(a.truncate(), Vec2::new(b.x, b.y));
-        found.center.extend(found.half_extent.x).extend(found.half_extent.y)
-    });
-}
-
-#[test]
-fn moments_of_depth() {
-    // Four depths far enough apart for well-conditioned moments, the receiver's among them.
-    let input = |u: Vec4, v: Vec4| {
-        let z = Vec4::new(-0.9, -0.4, 0.1, 0.6) + 0.3 * u;
-        let receiver = Vec4::new(2.0 * v.x - 1.0, 0.1 + v.y, 0.1 + v.z, 0.1 + v.w);
-        [z, receiver]
-    };
-    let weights = "vec4f(b.yzw, 0.5) / (b.y + b.z + b.w + 0.5)";
-    let columns = "depth_moments(a.x), depth_moments(a.y), depth_moments(a.z), depth_moments(a.w)";
-    let moments = format!("biased_moments(mat4x4f({columns}) * ({weights}), 1e-4)");
-    let twin = |[a, b]: [Vec4; 2]| {
-        let weights = Vec4::new(b.y, b.z, b.w, 0.5) / (b.y + b.z + b.w + 0.5);
-        let moments = (0..4).map(|i| weights[i] * depth_moments::depth_moments(a[i])).sum();
-        depth_moments::biased_moments(moments, 1e-4)
-    };
-    compare("depth_moments", &moments, 1e-6, input, twin);
-    // The matrix of moments amplifies rounding by its condition, some 1e3.
-    let atoms = format!("three_atoms({moments}, b.x)");
-    let body = format!(
-        "vec4f({atoms}.weights.x, blockers_in_front({atoms}) * vec2f(1.0, blockers_in_front({atoms}).x), 0.0)"
-    );
-    compare("depth_moments", &body, 2e-3, input, |[a, b]| {
-        let atoms = depth_moments::three_atoms(twin([a, b]), b.x);
-        let found = depth_moments::blockers_in_front(atoms);
-        // Where next to nothing is in front, its depth means nothing.
-        Vec4::new(atoms.weights.x, found.x, found.x * found.y, 0.0)
-    });
-}
-
-#[test]
 fn irradiance_of_spherical_harmonics() {
     let coefficients: [Vec3; 9] = std::array::from_fn(|i| uniform(i).truncate() - 0.5);
     let list = coefficients.map(|c| format!("vec4f({:?}, {:?}, {:?}, 0.0)", c.x, c.y, c.z)).join(", ");
@@ -409,34 +248,6 @@ fn tone_mapping() {
             let mapped = gnomon_picture::tonemap::tone_map_neutral(a.truncate());
             mapped.extend(gnomon_picture::tonemap::srgb_encode(a.w / 8.0))
         },
-    );
-}
-
-#[test]
-fn angles_to_outlines() {
-    let direction = |u: Vec4, v| [unit_vector(u).extend(0.01 + u.w), unit_vector(v).extend(0.0)];
-    compare(
-        "outline_angle",
-        "vec4f(disk_signed_angle(b.xyz, a.xyz, a.w))",
-        SHADER_TWIN,
-        direction,
-        |[a, b]| {
-            let light = DistantLight::disk(a.truncate().as_dvec3(), f64::from(a.w), DVec3::ONE);
-            Vec4::splat(light.signed_angle(b.truncate()))
-        },
-    );
-    let front = [DVec3::X, DVec3::Y, DVec3::NEG_Z];
-    let light = DistantLight::rectangle(front, DVec2::new(-0.6, 0.1), DVec2::new(0.4, 0.9), DVec3::ONE);
-    let LightShape::Rectangle { corners } = light.shape else { panic!("not a rectangle") };
-    let corners = corners.map(|c| format!("vec4f({}, {}, {}, 0.0)", c.x, c.y, c.z)).join(", ");
-    // Drivers approximate asin.
-    let body = format!("vec4f(rectangle_signed_angle(a.xyz, array({corners})))");
-    compare(
-        "outline_angle",
-        &body,
-        5e-4,
-        |u, _| [unit_vector(u).extend(0.0), Vec4::ZERO],
-        |[a, _]| Vec4::splat(light.signed_angle(a.truncate())),
     );
 }
 

@@ -100,17 +100,16 @@ pub enum EnvironmentSource {
     Builtin(String),
 }
 
+/// Keys of a scene file's `[environment]` that [`EnvironmentSettings`] come from; the others are options of whoever draws.
+pub const ENVIRONMENT_KEYS: [&str; 3] = ["file", "builtin", "exposure"];
+
 /// The environment that a scene file brings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentSettings {
     /// Which.
     pub source: EnvironmentSource,
-    /// Turn about +y by the right-hand rule [degrees] (`CONVENTIONS.md`, `--env-rotation`).
-    pub rotation_degrees: f32,
     /// Exposure of the displayed picture [stops]; `None` asks for what suits the environment.
     pub exposure_ev: Option<f32>,
-    /// Name of the projection of the file, where its shape does not tell (the envmap crate knows them).
-    pub projection: Option<String>,
 }
 
 /// A scene with what its file says beside geometry.

@@ -84,16 +84,13 @@ struct SceneFile {
     _surface: Option<IgnoredAny>,
 }
 
+/// What [`super::ENVIRONMENT_KEYS`] say; the others are read by whoever draws, through [`read_sections`].
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct EnvironmentEntry {
     file: Option<String>,
     builtin: Option<String>,
     #[serde(default)]
-    rotation: f32,
-    #[serde(default)]
     exposure: Exposure,
-    projection: Option<String>,
 }
 
 /// Stops, or the word for what suits the environment.
@@ -294,11 +291,10 @@ impl Reader<'_> {
             Exposure::Stops(stops) => Some(stops),
             Exposure::Automatic(Automatic::Automatic) => None,
         };
-        if !(entry.rotation.is_finite() && exposure_ev.is_none_or(f32::is_finite)) {
-            return Err(self.at(spanned, "rotation and exposure must be finite".to_owned()));
+        if !exposure_ev.is_none_or(f32::is_finite) {
+            return Err(self.at(spanned, "exposure must be finite".to_owned()));
         }
-        let projection = entry.projection.as_deref().map(quoted);
-        Ok(EnvironmentSettings { source, rotation_degrees: entry.rotation, exposure_ev, projection })
+        Ok(EnvironmentSettings { source, exposure_ev })
     }
 
     fn at<T>(&self, spanned: &Spanned<T>, message: String) -> Fault {

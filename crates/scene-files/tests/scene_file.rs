@@ -28,12 +28,8 @@ fn the_sample_scene_is_what_its_comments_say() {
     let camera: Camera = "eye=4.5,3,6.5;target=0,0.9,0;fov=40".parse().unwrap();
     assert_eq!(loaded.scene.camera(None).unwrap(), &camera);
     assert_eq!(loaded.ground, Ground::Plane);
-    let expected = EnvironmentSettings {
-        source: EnvironmentSource::Builtin("sky".to_owned()),
-        rotation_degrees: 30.0,
-        exposure_ev: Some(0.0),
-        projection: None,
-    };
+    let expected =
+        EnvironmentSettings { source: EnvironmentSource::Builtin("sky".to_owned()), exposure_ev: Some(0.0) };
     assert_eq!(loaded.environment, Some(expected));
     let clay = loaded.scene.materials.iter().position(|material| material.name == "clay").unwrap();
     let column = loaded.scene.nodes.iter().position(|node| node.name == "small column").unwrap();
@@ -246,7 +242,7 @@ fn sections_about_drawing_are_left_to_whoever_draws() {
     assert_eq!(loaded.scene.triangle_count(), 440, "with its own ground");
     assert!(loaded.scene.ground.is_some());
     let environment = loaded.environment.unwrap();
-    assert_eq!((environment.exposure_ev, environment.projection.as_deref()), (None, Some("equirect")));
+    assert_eq!(environment.exposure_ev, None);
     let sections: Sections = read_sections(&path, &FileResolver).unwrap().unwrap();
     assert_eq!(sections.render.unwrap().shadows, "pcf");
     std::fs::write(&path, text.replace("shadows =", "shadow =")).unwrap();

@@ -1,32 +1,17 @@
 //! What a model needs to be looked at when its file does not say: a camera, and ground to throw its shadow on.
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
+use gnomon_options::choices;
 
 use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene, SceneError};
 
-/// What lies under the models.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Ground {
-    /// A matte square, see [`Scene::add_ground`].
-    Plane,
-    /// Nothing more than the scene brings.
-    #[default]
-    None,
-}
-
-impl std::str::FromStr for Ground {
-    type Err = SceneError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "plane" => Ok(Self::Plane),
-            "none" => Ok(Self::None),
-            _ => {
-                let text = gnomon_messages::quoted(text);
-                Err(SceneError::Request(format!("ground '{text}' is unknown (plane and none are known)")))
-            }
-        }
+choices! {
+    /// What lies under the models.
+    pub enum Ground {
+        /// Nothing more than the scene brings.
+        None = "none",
+        /// A matte square, its half side four times the radius of the models' footprint.
+        Plane = "plane",
     }
 }
 

@@ -53,6 +53,7 @@ struct Key {
     scene: Arc<Scene>,
     environment: Arc<Equirect>,
     rotation: f32,
+    background: bool,
     camera: Camera,
     size: [u32; 2],
 }
@@ -62,7 +63,7 @@ impl Key {
         // The stage replaces what somebody else holds rather than changing it.
         Arc::ptr_eq(&self.scene, &other.scene)
             && Arc::ptr_eq(&self.environment, &other.environment)
-            && (self.rotation, self.size) == (other.rotation, other.size)
+            && (self.rotation, self.background, self.size) == (other.rotation, other.background, other.size)
             && self.camera == other.camera
     }
 }
@@ -118,6 +119,7 @@ impl Converging {
             scene: Arc::clone(stage.scene()),
             environment: Arc::clone(stage.environment()),
             rotation: stage.look().environment.rotation,
+            background: stage.look().display.background,
             camera: stage.camera()?,
             size,
         };
@@ -154,6 +156,7 @@ impl Passes {
             width,
             height,
             samples_per_pixel: SAMPLES_PER_PASS,
+            background: key.background,
             ..ReferenceOptions::default()
         };
         let passes = Self {
@@ -219,7 +222,7 @@ mod tests {
 
     fn stage() -> Stage {
         let mut project = Project::open("terrain", Look::default(), &Given::default()).unwrap();
-        project.set_environment(environment_named("room"));
+        project.look.set_environment(environment_named("room"));
         Stage::new(project).unwrap()
     }
 

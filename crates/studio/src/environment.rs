@@ -9,7 +9,6 @@ use gnomon_lights::fit::FitSettings;
 use gnomon_renderer::{PreparedLighting, RenderSettings};
 use gnomon_scene_files::EnvironmentSource;
 
-use crate::look::EnvironmentLook;
 use crate::{Look, SceneSource, Stage, StudioError};
 
 /// What a name means: a built-in environment, or else a file. Whoever means a file called like a built-in one writes `./room`.
@@ -20,14 +19,13 @@ pub fn environment_named(name: &str) -> EnvironmentSource {
     }
 }
 
-/// Reads or makes an environment as it is, not turned; with what had to be repaired, a line each.
+/// Reads or makes the environment of a look as it is, not turned; with what had to be repaired, a line each.
 ///
 /// # Errors
 /// Unreadable files, pictures of no known layout, names of nothing.
-pub fn load_environment(look: &EnvironmentLook) -> Result<(Equirect, Vec<String>), StudioError> {
-    let projection = look.projection()?;
+pub fn load_environment(look: &Look) -> Result<(Equirect, Vec<String>), StudioError> {
     let names = || builtin::names().collect::<Vec<_>>().join(", ");
-    match &look.source {
+    match &look.map {
         None => Err(StudioError::Request(format!(
             "there is no environment: give one with --env (a file, or {})",
             names()
@@ -37,6 +35,7 @@ pub fn load_environment(look: &EnvironmentLook) -> Result<(Equirect, Vec<String>
             Ok((map, Vec::new()))
         }
         Some(EnvironmentSource::File(path)) => {
+            let projection = look.environment.projection;
             let environment = load(Path::new(path), projection).map_err(|error| match path.exists() {
                 true => error.into(),
                 false => no_environment(&path.to_string_lossy(), &names()),
@@ -49,11 +48,11 @@ pub fn load_environment(look: &EnvironmentLook) -> Result<(Equirect, Vec<String>
 /// The same for a scene of this source: where a program gives the scene's files, the environment's is one of them.
 pub(crate) fn environment_of(
     source: &SceneSource,
-    look: &EnvironmentLook,
+    look: &Look,
 ) -> Result<(Equirect, Vec<String>), StudioError> {
-    match (source, &look.source) {
+    match (source, &look.map) {
         (SceneSource::Files(files), Some(EnvironmentSource::File(path))) => {
-            Ok(with_warnings(path, files.environment(path, look.projection()?)?))
+            Ok(with_warnings(path, files.environment(path, look.environment.projection)?))
         }
         _ => load_environment(look),
     }
@@ -115,7 +114,7 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
     let (map, warnings) = match map {
         MapSource::Loaded(map) => (map, Vec::new()),
         MapSource::Unread(source) => {
-            let (map, warnings) = environment_of(&source, &look.environment)?;
+            let (map, warnings) = environment_of(&source, &look)?;
             (Arc::new(map), warnings)
         }
     };

@@ -9,7 +9,7 @@
 //!
 //! # fn main() -> Result<(), gnomon_studio::StudioError> {
 //! let mut project = Project::open("robot.glb", Look::default(), &Default::default())?;
-//! project.set_environment(environment_named("room"));
+//! project.look.set_environment(environment_named("room"));
 //! let gpu = Gpu::new(&GpuOptions::default())?;
 //! let mut studio = Studio::new(&gpu, Stage::new(project)?)?;
 //! studio.edit(|look| look.environment.rotation = 30.0)?;
@@ -41,7 +41,9 @@ pub use executor::Threads;
 pub use executor::{Executor, Slices, Task, default_executor};
 pub use files::SceneFiles;
 pub use frame_rate::{DrawnFrame, FrameRate};
-pub use look::{AnimationLook, CameraLook, EnvironmentLook, Look, PictureSettings};
+pub use look::{
+    AnimationLook, CameraLook, ENVIRONMENT, EnvironmentLook, Look, PictureSettings, SCENE, SceneLook,
+};
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
 pub use stage::Stage;

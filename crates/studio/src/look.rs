@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use gnomon_brdf::Surface;
 use gnomon_envmap::Projection;
 use gnomon_lights::fit::FitSettings;
-use gnomon_options::{Given, Group, OptionField, OptionSpec, Options, settings, size};
+use gnomon_options::{
+    Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, settings, size, text,
+};
 use gnomon_renderer::{
     DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
 };
@@ -17,8 +19,7 @@ use crate::StudioError;
 
 /// How a scene is looked at. The default is what `gnomon render` does without options.
 ///
-/// The tables of a scene file (`SCENE_FORMAT.md`) are its parts: `[fit]`, `[render]` and `[display]` hold its options, `[animation]`,
-/// `[environment]`, `[camera]`, `ground` and `[[surface]]` are as that format has them.
+/// The tables of a scene file (`SCENE_FORMAT.md`) are its parts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Look {
@@ -33,20 +34,26 @@ pub struct Look {
     /// How radiance is shown: of `[display]`. An exposure that is left to the program brings the environment's mean to 0.5, so that pictures
     /// of a moving scene keep one exposure; in a scene file it is left to what `[environment]` says.
     pub display: DisplaySettings,
-    /// What lights the scene.
+    /// Which environment lights the scene: a file or a built-in one.
+    pub map: Option<EnvironmentSource>,
+    /// How it is read and turned: of `[environment]`.
     pub environment: EnvironmentLook,
     /// From where it is seen.
     pub camera: CameraLook,
-    /// Its pose.
+    /// What is added to it: of the outer table.
+    pub scene: SceneLook,
+    /// Its pose: `[animation]`.
     pub animation: AnimationLook,
-    /// What lies under the models: under their lowest point, over the whole of the clip that plays.
-    pub ground: Ground,
     /// Reflectance of every material but the ground's.
     pub reflectance: Option<ReflectanceSettings>,
     /// Reflectance of single materials, by their number in the scene with its ground; goes before `reflectance`.
     pub surfaces: BTreeMap<usize, ReflectanceSettings>,
 }
 
+/// Options of the scene and its pose.
+pub static SCENE: Group = Group { table: "", heading: "Scene", condition: None };
+/// Options of the environment.
+pub static ENVIRONMENT: Group = Group { table: "", heading: "Environment", condition: None };
 static PICTURE: Group = Group { table: "", heading: "Display", condition: None };
 
 settings! {
@@ -65,31 +72,21 @@ impl PictureSettings {
     }
 }
 
-/// Which environment, and how it is turned.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct EnvironmentLook {
-    /// A file or a built-in environment.
-    pub source: Option<EnvironmentSource>,
-    /// Name of the file's [`Projection`], where its shape does not tell.
-    pub projection: Option<String>,
-    /// Turn about +y by the right-hand rule [degrees].
-    pub rotation: f32,
+settings! {
+    /// How an environment is read and turned.
+    pub struct EnvironmentLook in ENVIRONMENT {
+        /// Layout of the environment's file, where its shape does not tell.
+        projection: Option<Projection> = None, choice(Projection::choices).automatic("by its shape", 0.0);
+        /// Turn of the environment about +y by the right-hand rule.
+        rotation: f32 = 0.0, angle().flag("env-rotation");
+    }
 }
 
-impl EnvironmentLook {
-    /// The forced projection, if there is one.
-    ///
-    /// # Errors
-    /// [`StudioError::Request`] listing those that exist.
-    pub fn projection(&self) -> Result<Option<Projection>, StudioError> {
-        let named = |name: &String| {
-            Projection::from_name(name).ok_or_else(|| {
-                let names: Vec<_> = Projection::all().map(Projection::name).collect();
-                StudioError::unknown("projection", name, &names)
-            })
-        };
-        self.projection.as_ref().map(named).transpose()
+settings! {
+    /// What is added to a scene.
+    pub struct SceneLook in SCENE {
+        /// What lies under the models: under their lowest point, over the whole of the clip that plays.
+        ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ and PLY files, none for others");
     }
 }
 
@@ -106,29 +103,38 @@ pub enum CameraLook {
     Free(Camera),
 }
 
-/// Which pose of an animated scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct AnimationLook {
-    /// A clip by its name, or by its number from 0 where none has that name; `None` is the file's own pose.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub clip: Option<String>,
-    /// Time in the clip [s]; what lies beyond its end starts from the beginning again.
-    pub time: f32,
+settings! {
+    /// Which pose of an animated scene.
+    pub struct AnimationLook in SCENE {
+        /// Clip that plays, by its name, or by its number from 0 where none has that name.
+        clip: Option<String> = None, text().automatic("none: the models as they stand", 0.0);
+        /// Time in the clip; beyond its end it starts again.
+        time: f32 = 0.0, any_number("s");
+    }
 }
 
 impl Look {
     /// Takes over what has changed from `before` to `after`, of the parts that are no scene's own.
     pub(crate) fn keep_changes(&mut self, before: &Self, after: &Self) {
+        let own = (self.scene.clone(), self.animation.clone());
         Given::changes(before, after).apply(self);
-        let (environment, was, is) = (&mut self.environment, &before.environment, &after.environment);
-        if (&was.source, &was.projection) != (&is.source, &is.projection) {
+        (self.scene, self.animation) = own;
+        if !before.has_map_of(after) {
             // Another file comes as it is turned now.
-            environment.clone_from(is);
+            self.map.clone_from(&after.map);
+            self.environment = after.environment.clone();
         }
-        if was.rotation != is.rotation {
-            environment.rotation = is.rotation;
-        }
+    }
+
+    /// Whether the environment is the same but for its turn.
+    pub(crate) fn has_map_of(&self, other: &Self) -> bool {
+        (&self.map, self.environment.projection) == (&other.map, other.environment.projection)
+    }
+
+    /// Takes another environment, as it is.
+    pub fn set_environment(&mut self, source: EnvironmentSource) {
+        self.map = Some(source);
+        self.environment = EnvironmentLook::default();
     }
 
     /// Gives one material, by its number in the scene, the reflectance of a surface.
@@ -160,6 +166,9 @@ impl Options for Look {
         self.techniques.visit(see);
         self.picture.visit(see);
         self.display.visit(see);
+        self.scene.visit(see);
+        self.animation.visit(see);
+        self.environment.visit(see);
     }
 
     fn visit_mut(&mut self, see: &mut dyn FnMut(&'static OptionSpec, &mut dyn OptionField)) {
@@ -168,6 +177,9 @@ impl Options for Look {
         self.techniques.visit_mut(see);
         self.picture.visit_mut(see);
         self.display.visit_mut(see);
+        self.scene.visit_mut(see);
+        self.animation.visit_mut(see);
+        self.environment.visit_mut(see);
     }
 }
 
@@ -199,22 +211,21 @@ mod tests {
         let mut now = asked.clone();
         now.environment.rotation = 30.0;
         now.display.tone_mapping = ToneMapping::Linear;
-        let file = EnvironmentLook {
-            source: Some(EnvironmentSource::Builtin("sky".to_owned())),
-            projection: Some("equirect".to_owned()),
-            rotation: 5.0,
-        };
-        let mut brought = Look { environment: file.clone(), ..Look::default() };
+        now.animation.time = 3.0;
+        let sky = Some(EnvironmentSource::Builtin("sky".to_owned()));
+        let file = EnvironmentLook { projection: Some(Projection::Equirect), rotation: 5.0 };
+        let mut brought = Look { map: sky, environment: file.clone(), ..Look::default() };
         (brought.display.exposure, brought.display.background) = (Some(2.0), false);
         let mut kept = brought.clone();
         kept.keep_changes(&asked, &now);
         assert_eq!(kept.environment, EnvironmentLook { rotation: 30.0, ..file });
+        assert_eq!((&kept.map, &kept.animation), (&brought.map, &brought.animation));
         let tone_mapping = ToneMapping::Linear;
         assert_eq!(kept.display, DisplaySettings { tone_mapping, ..brought.display.clone() });
         // Another environment that was chosen meanwhile comes whole.
-        now.environment.source = Some(EnvironmentSource::Builtin("room".to_owned()));
+        now.map = Some(EnvironmentSource::Builtin("room".to_owned()));
         let mut chosen = brought;
         chosen.keep_changes(&asked, &now);
-        assert_eq!(chosen.environment, now.environment);
+        assert_eq!((chosen.map, chosen.environment), (now.map, now.environment));
     }
 }

@@ -8,11 +8,11 @@ use gnomon_options::Given;
 use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
-    EnvironmentSource, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
+    ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
 };
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
-use crate::look::{AnimationLook, CameraLook, PictureSettings};
+use crate::look::{AnimationLook, CameraLook, EnvironmentLook, PictureSettings, SceneLook};
 use crate::{Look, SceneFiles, StudioError};
 
 /// Where a scene comes from.
@@ -51,7 +51,7 @@ impl std::fmt::Display for SceneSource {
 pub struct Project {
     /// Where the scene is from.
     pub source: SceneSource,
-    /// The scene as its file has it: [`Look::ground`], [`Look::reflectance`] and the like are not applied yet.
+    /// The scene as its file has it: [`Look::scene`], [`Look::reflectance`] and the like are not applied yet.
     pub scene: Scene,
     /// The look that was asked for, with what the file says in its place.
     pub look: Look,
@@ -69,8 +69,16 @@ struct Sections {
     render: Given,
     #[serde(deserialize_with = "Given::deserialize::<(PictureSettings, DisplaySettings), _>")]
     display: Given,
-    animation: Option<AnimationLook>,
+    #[serde(deserialize_with = "Given::deserialize::<AnimationLook, _>")]
+    animation: Given,
+    #[serde(deserialize_with = "environment_options")]
+    environment: Given,
     surface: Vec<SurfaceEntry>,
+}
+
+/// The options among the keys of `[environment]`.
+fn environment_options<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Given, D::Error> {
+    Given::deserialize_beside::<EnvironmentLook, D>(&ENVIRONMENT_KEYS, deserializer)
 }
 
 /// `[[surface]]`: the reflectance of one material, or of all.
@@ -102,9 +110,9 @@ impl Project {
             SceneSource::File(path) => read_sections::<Sections>(path, &FileResolver)?,
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
-        let Sections { fit, render, display, animation, surface } = sections.unwrap_or_default();
-        [&fit, &render, &display, given].into_iter().for_each(|given| given.apply(&mut look));
-        look.animation = animation.unwrap_or_default();
+        let Sections { fit, render, display, animation, environment, surface } = sections.unwrap_or_default();
+        look.animation = AnimationLook::default();
+        [&fit, &render, &display, &animation, given].into_iter().for_each(|given| given.apply(&mut look));
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
         look.surfaces = BTreeMap::new();
@@ -115,7 +123,7 @@ impl Project {
             }
         }
         let options = LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() };
-        let LoadedScene { scene, environment, ground } = match &source {
+        let LoadedScene { scene, environment: own, ground } = match &source {
             SceneSource::Builtin(name) => {
                 let scene = builtin::by_name(name)?;
                 LoadedScene { scene, environment: None, ground: Ground::None }
@@ -123,26 +131,15 @@ impl Project {
             SceneSource::File(path) => load(path, &options)?,
             SceneSource::Files(files) => load_from(files.path(), files.resolver(), &options)?,
         };
-        look.ground = ground;
-        let brings_environment = environment.is_some();
-        if let Some(own) = environment {
-            look.environment.source = Some(own.source);
-            look.environment.projection = own.projection;
-            look.environment.rotation = own.rotation_degrees;
-            if !display.has("exposure") && !given.has("exposure") {
-                look.display.exposure = own.exposure_ev;
-            }
+        look.scene = SceneLook { ground };
+        let brings_environment = own.is_some();
+        if let Some(own) = own {
+            look.set_environment(own.source);
+            look.display.exposure = own.exposure_ev;
         }
+        // What the environment brings gives way, too.
+        [&environment, &display, given].into_iter().for_each(|given| given.apply(&mut look));
         Ok(Self { source, scene, look, brings_environment })
-    }
-
-    /// Another environment than the file's. A turn and a projection that the file gives belong to its own and go with it; its exposure
-    /// stays.
-    pub fn set_environment(&mut self, source: EnvironmentSource) {
-        self.look.environment.source = Some(source);
-        self.look.environment.projection = None;
-        self.look.environment.rotation = 0.0;
-        self.brings_environment = false;
     }
 }
 

@@ -6,21 +6,22 @@ use std::path::{Component, Path, PathBuf};
 use gnomon_lights::fit::FitSettings;
 use gnomon_picture::atomic;
 use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
-use gnomon_scene::{Camera, Ground, ReflectanceSettings};
+use gnomon_scene::{Camera, ReflectanceSettings};
 use gnomon_scene_files::EnvironmentSource;
 use serde::Serialize;
 use toml::{Table, Value};
 
-use crate::look::{AnimationLook, CameraLook, PictureSettings};
+use crate::look::{AnimationLook, CameraLook, EnvironmentLook, PictureSettings, SceneLook};
 use crate::{SceneSource, Stage, Studio, StudioError};
 
 /// The tables of a scene file that a look decides, in the order in which they are written.
 #[derive(Serialize)]
 struct LookTables<'a> {
-    ground: Ground,
+    #[serde(flatten)]
+    scene: &'a SceneLook,
     #[serde(skip_serializing_if = "Option::is_none")]
     camera: Option<Camera>,
-    environment: EnvironmentTable,
+    environment: EnvironmentTable<'a>,
     fit: &'a FitSettings,
     #[serde(serialize_with = "gnomon_options::serialize")]
     render: (LightingSettings, TechniqueSettings),
@@ -32,16 +33,15 @@ struct LookTables<'a> {
 }
 
 #[derive(Serialize)]
-struct EnvironmentTable {
+struct EnvironmentTable<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     builtin: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    projection: Option<String>,
-    rotation: f32,
     /// `[display]` has the number, where there is one.
     exposure: &'static str,
+    #[serde(flatten)]
+    options: &'a EnvironmentLook,
 }
 
 #[derive(Serialize)]
@@ -77,8 +77,7 @@ impl Stage {
         let camera = scene.get("camera").filter(|_| is_own).cloned();
         REPLACED.iter().for_each(|key| drop(scene.remove(*key)));
         scene.extend(camera.map(|camera| ("camera".to_owned(), camera)));
-        let environment = &look.environment;
-        let (file, builtin) = match &environment.source {
+        let (file, builtin) = match &look.map {
             Some(EnvironmentSource::File(file)) => (Some(relative(file, folder)?), None),
             Some(EnvironmentSource::Builtin(name)) => (None, Some(name.clone())),
             None => {
@@ -91,14 +90,13 @@ impl Stage {
             .iter()
             .map(|(&material, reflectance)| SurfaceTable { material: Some(material), reflectance });
         let tables = LookTables {
-            ground: look.ground,
+            scene: &look.scene,
             camera: if is_own { None } else { Some(self.camera()?) },
             environment: EnvironmentTable {
                 file,
                 builtin,
-                projection: environment.projection.clone(),
-                rotation: environment.rotation,
                 exposure: "automatic",
+                options: &look.environment,
             },
             fit: &look.fit,
             render: (look.lighting.clone(), look.techniques.clone()),

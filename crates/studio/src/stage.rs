@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::FitOptions;
+use gnomon_options::Options;
 use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
 use crate::environment::environment_of;
@@ -57,8 +58,8 @@ pub(crate) struct LookChange {
 impl LookChange {
     fn between(was: &Look, new: &Look) -> Self {
         Self {
-            dressed: (&was.reflectance, &was.surfaces, was.ground)
-                != (&new.reflectance, &new.surfaces, new.ground),
+            dressed: (&was.reflectance, &was.surfaces, &was.scene)
+                != (&new.reflectance, &new.surfaces, &new.scene),
             moved: was.animation != new.animation,
             reaches_elsewhere: was.animation.clip != new.animation.clip,
         }
@@ -91,7 +92,7 @@ impl Loaded {
             }
         };
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
-        scene.add_ground_under(look.ground, reach);
+        scene.add_ground_under(look.scene.ground, reach);
         let count = scene.materials.len();
         for (&index, settings) in &look.surfaces {
             let material = scene.materials.get_mut(index).ok_or_else(|| {
@@ -120,7 +121,7 @@ impl Stage {
     /// # Errors
     /// A scene without environment, files that cannot be used, names of nothing.
     pub fn new(project: Project) -> Result<Self, StudioError> {
-        let (map, warnings) = environment_of(&project.source, &project.look.environment)?;
+        let (map, warnings) = environment_of(&project.source, &project.look)?;
         Self::under(project, Arc::new(map), warnings)
     }
 
@@ -134,7 +135,7 @@ impl Stage {
         mut warnings: Vec<String>,
     ) -> Result<Self, StudioError> {
         let Project { source, scene, look, .. } = project;
-        check_rotation(&look)?;
+        look.check()?;
         warnings.splice(0..0, scene.warnings.iter().map(|warning| format!("{source}: {warning}")));
         let loaded = Loaded::new(scene, look.picture.aspect());
         let reach = loaded.reach(&look.animation)?;
@@ -154,6 +155,7 @@ impl Stage {
             automatic_exposure,
             warnings,
         };
+        stage.look.check()?;
         stage.camera()?;
         Ok(stage)
     }
@@ -261,10 +263,9 @@ impl Stage {
     /// # Errors
     /// As [`Stage::new`]; everything is then as it was.
     pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
-        let (was, new) = (&self.look.environment, &look.environment);
-        let map = match (&was.source, &was.projection) == (&new.source, &new.projection) {
+        let map = match self.look.has_map_of(&look) {
             true => None,
-            false => Some(environment_of(&self.source, new)?),
+            false => Some(environment_of(&self.source, &look)?),
         };
         (*self, _) = self.with_look(look)?;
         if let Some((map, warnings)) = map {
@@ -275,7 +276,7 @@ impl Stage {
 
     /// This stage with another look, but for the environment, which is the caller's to load.
     pub(crate) fn with_look(&self, look: Look) -> Result<(Self, LookChange), StudioError> {
-        check_rotation(&look)?;
+        look.check()?;
         let change = LookChange::between(&self.look, &look);
         let loaded = &self.loaded;
         let reach = match change.reaches_elsewhere {
@@ -314,12 +315,5 @@ impl Stage {
         self.automatic_exposure = map.suitable_exposure();
         self.environment = map;
         self.warnings.extend(warnings);
-    }
-}
-
-fn check_rotation(look: &Look) -> Result<(), StudioError> {
-    match look.environment.rotation.is_finite() {
-        true => Ok(()),
-        false => Err(StudioError::Request("the environment's rotation must be finite".to_owned())),
     }
 }

@@ -2,21 +2,20 @@
 
 use std::sync::Arc;
 
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Projection};
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
-use gnomon_options::Options;
 use gnomon_renderer::{
     Change, Gpu, LightingChange, LightingSettings, MeasureSettings, PreparedLighting, RenderSettings,
     Renderer, SceneChange,
 };
 use gnomon_scene::{Camera, Scene};
+use gnomon_scene_files::EnvironmentSource;
 
 use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
-use crate::look::EnvironmentLook;
 use crate::stage::LookChange;
 use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
@@ -60,7 +59,8 @@ pub struct Studio {
 /// What the lights of an environment depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct LightingKey {
-    environment: EnvironmentLook,
+    map: Option<EnvironmentSource>,
+    projection: Option<Projection>,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
@@ -70,8 +70,9 @@ struct LightingKey {
 impl LightingKey {
     fn of(look: &Look, ground: bool) -> Self {
         Self {
+            map: look.map.clone(),
             // Turning needs no new lights.
-            environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
+            projection: look.environment.projection,
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
             lighting: look.lighting.clone(),
@@ -79,13 +80,13 @@ impl LightingKey {
     }
 
     fn same_map(&self, other: &Self) -> bool {
-        self.environment == other.environment
+        (&self.map, self.projection) == (&other.map, other.projection)
     }
 
     /// Puts a look back to what these lights are for.
     fn restore(&self, look: &mut Look) {
-        look.environment =
-            EnvironmentLook { rotation: look.environment.rotation, ..self.environment.clone() };
+        look.map = self.map.clone();
+        look.environment.projection = self.projection;
         look.fit = self.fit.clone();
         look.lighting = self.lighting.clone();
     }
@@ -253,8 +254,6 @@ impl Studio {
 
 /// A stage with another look, of which nothing is out of range: names that only a thread would look up are told at once.
 fn checked(stage: &Stage, look: Look) -> Result<(Stage, LookChange), StudioError> {
-    look.environment.projection()?;
-    look.check()?;
     look.fit.fit(false)?;
     stage.with_look(look)
 }

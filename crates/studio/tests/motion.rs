@@ -34,8 +34,8 @@ fn project(name: &str) -> Project {
     look.techniques.supersample = 1;
     look.picture.size = SIZE;
     let mut project = Project::open(name, look, &Given::default()).unwrap();
-    project.set_environment(environment_named("room"));
-    project.look.ground = Ground::Plane;
+    project.look.set_environment(environment_named("room"));
+    project.look.scene.ground = Ground::Plane;
     project
 }
 

@@ -17,8 +17,8 @@ fn open(name: &str, size: Option<[u32; 2]>) -> Result<Stage, StudioError> {
     let sizes = |size| PictureSettings { size };
     let given = size.map(|size| Given::changes(&sizes([0, 0]), &sizes(size)));
     let mut project = Project::open(name, Look::default(), &given.unwrap_or_default())?;
-    if project.look.environment.source.is_none() {
-        project.set_environment(environment_named("room"));
+    if project.look.map.is_none() {
+        project.look.set_environment(environment_named("room"));
     }
     Stage::new(project)
 }
@@ -46,7 +46,7 @@ fn assert_same(saved: &Stage, opened: &Stage, what: &str) {
         (&b.fit, &b.lighting, &b.techniques, &b.picture, &b.display, &b.animation),
         "{what}"
     );
-    assert_eq!((a.ground, &a.surfaces, &a.reflectance), (b.ground, &b.surfaces, &b.reflectance), "{what}");
+    assert_eq!((&a.scene, &a.surfaces, &a.reflectance), (&b.scene, &b.surfaces, &b.reflectance), "{what}");
     assert_eq!(a.environment.rotation, b.environment.rotation, "{what}");
 }
 
@@ -59,7 +59,7 @@ fn changed(look: &Look) -> Look {
     look.display.tone_mapping = ToneMapping::Linear;
     look.display.background = false;
     look.environment.rotation = 33.3;
-    look.ground = Ground::Plane;
+    look.scene.ground = Ground::Plane;
     look.reflectance = Some("torrance-sparrow-beckmann:slope=0.31,specular=0.123".parse().unwrap());
     let surface = Surface {
         model: Model::Phong,
@@ -130,7 +130,7 @@ fn models_with_cameras_and_clips_come_back_as_they_were() {
     look.animation.clip = Some("0".to_owned());
     look.animation.time = 0.4;
     // Under the whole clip, as the camera frames it.
-    look.ground = Ground::Plane;
+    look.scene.ground = Ground::Plane;
     stage.set_look(look).unwrap();
     let saved = folder.path().join("posed.toml");
     stage.save_scene(&saved).unwrap();

@@ -14,6 +14,9 @@ const TO: &str = "<!-- end of options -->\n";
 fn the_description_is_that_of_the_options() {
     let look = Look::default();
     let tables = [
+        markdown("", &look.scene),
+        markdown("environment", &look.environment),
+        markdown("animation", &look.animation),
         markdown("fit", &look.fit),
         markdown("render", &(look.lighting, look.techniques)),
         markdown("display", &(look.picture, look.display)),

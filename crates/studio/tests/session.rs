@@ -33,8 +33,7 @@ fn gpu() -> Option<Gpu> {
 }
 
 fn base() -> Look {
-    let mut look = Look::default();
-    look.environment.source = Some(environment_named("room"));
+    let mut look = Look { map: Some(environment_named("room")), ..Look::default() };
     look.fit.light_count = Some(12);
     look.lighting.ambient_cells = 8;
     look.techniques.shadow_resolution = 64;
@@ -81,7 +80,7 @@ const EDITS: [Edit; 11] = [
     }),
     ("fit", |look| look.fit.method = "disks".to_owned()),
     ("ambient rest", |look| look.lighting.ambient = "occlusion".to_owned()),
-    ("environment", |look| look.environment.source = Some(environment_named("sky"))),
+    ("environment", |look| look.map = Some(environment_named("sky"))),
 ];
 
 #[test]
@@ -127,9 +126,9 @@ fn a_ground_laid_or_taken_away_live_has_lights_fitted_for_it() {
     look.fit.light_count = Some(40);
     let mut live = Studio::new(&gpu, bare(&look)).unwrap();
     for ground in [Ground::None, Ground::Plane, Ground::None] {
-        live.edit(|look| look.ground = ground).unwrap();
+        live.edit(|look| look.scene.ground = ground).unwrap();
         live.wait();
-        look.ground = ground;
+        look.scene.ground = ground;
         let mut opened = Studio::new(&gpu, bare(&look)).unwrap();
         assert_eq!(live.stage().stands_on_ground(), ground == Ground::Plane);
         assert_eq!(live.lights().parameters["ground"], ground == Ground::Plane);
@@ -157,7 +156,6 @@ fn what_cannot_be_leaves_everything_as_it_was() {
         ("time", |look| look.animation.time = f32::NAN),
         ("rotation", |look| look.environment.rotation = f32::NAN),
         ("exposure", |look| look.display.exposure = Some(f32::INFINITY)),
-        ("projection", |look| look.environment.projection = Some("absent".to_owned())),
     ];
     let scene = Arc::clone(studio.stage().scene());
     for (name, edit) in refused {
@@ -166,7 +164,7 @@ fn what_cannot_be_leaves_everything_as_it_was() {
             let edited = studio.edit(|look| {
                 if with_more {
                     look.reflectance = Some("phong:shininess=30,specular=0.4".parse().unwrap());
-                    look.ground = Ground::Plane;
+                    look.scene.ground = Ground::Plane;
                     look.fit.light_count = Some(20);
                     look.environment.rotation = 90.0;
                     look.display.tone_mapping = ToneMapping::Linear;
@@ -183,7 +181,7 @@ fn what_cannot_be_leaves_everything_as_it_was() {
     assert!(studio.take_warnings().is_empty());
     // What only a thread finds out.
     let absent = EnvironmentSource::File(PathBuf::from("absent.hdr"));
-    studio.edit(|look| look.environment.source = Some(absent)).unwrap();
+    studio.edit(|look| look.map = Some(absent)).unwrap();
     assert!(picture(&mut studio) == before, "frames go on");
     let updates = studio.wait();
     assert!(matches!(&updates[..], [Update::Failed(StudioError::Request(_))]), "{updates:?}");
@@ -198,7 +196,7 @@ fn another_scene_is_loaded_on_a_thread_and_keeps_the_look() {
     let Some(gpu) = gpu() else { return };
     let mut studio = Studio::new(&gpu, Stage::new(project(&base())).unwrap()).unwrap();
     let before = picture(&mut studio);
-    studio.edit(|look| look.ground = Ground::Plane).unwrap();
+    studio.edit(|look| look.scene.ground = Ground::Plane).unwrap();
     studio.load_scene(SceneSource::Builtin("column".to_owned()));
     studio.edit(|look| look.display.exposure = Some(0.7)).unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);

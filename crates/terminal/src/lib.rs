@@ -6,6 +6,7 @@ use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use clap::Parser;
 use clap::error::ErrorKind;
 use gnomon_messages::{one_line, with_causes};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -130,13 +131,21 @@ fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
-/// The exit status of a command: 0, or 2 after one line `PROGRAM: error: ...`. A closed standard output is no failure.
-pub fn exit_status(program: &str, result: Result<(), &(dyn Error + 'static)>) -> ExitCode {
+/// Reads the command line and acts on it. The exit status is 0, or 2 after one line `PROGRAM: error: ...`; a closed standard output is no
+/// failure.
+pub fn run<C: Parser, E>(program: &str, act: impl FnOnce(&C) -> Result<(), E>) -> ExitCode
+where
+    E: Error + From<TerminalError> + 'static,
+{
+    let result = match C::try_parse() {
+        Ok(arguments) => act(&arguments),
+        Err(error) => explain(program, &error).map_err(E::from),
+    };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) if is_closed_output(error) => ExitCode::SUCCESS,
+        Err(error) if is_closed_output(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            say(&format!("{program}: error: {}", with_causes(error)));
+            say(&format!("{program}: error: {}", with_causes(&error)));
             ExitCode::from(2)
         }
     }
@@ -149,10 +158,7 @@ fn is_closed_output(error: &(dyn Error + 'static)) -> bool {
 }
 
 /// Help and version are results; everything else that clap refuses becomes one line.
-///
-/// # Errors
-/// [`TerminalError::Usage`], and those of [`print`].
-pub fn explain(program: &str, error: &clap::Error) -> Result<(), TerminalError> {
+fn explain(program: &str, error: &clap::Error) -> Result<(), TerminalError> {
     let text = error.render().to_string();
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&text),

@@ -125,11 +125,9 @@ impl Viewer {
         let open = move || -> Result<Box<Studio>, StudioError> {
             let scene = scene.unwrap_or_else(|| DEFAULT_SCENE.to_owned());
             let mut project = Project::open(&scene, Look::default(), &Given::default())?;
-            let has_environment = project.look.environment.source.is_some();
-            match environment {
-                Some(name) => project.set_environment(environment_named(&name)),
-                None if !has_environment => project.set_environment(environment_named(DEFAULT_ENVIRONMENT)),
-                None => {}
+            let default = || project.look.map.is_none().then(|| DEFAULT_ENVIRONMENT.to_owned());
+            if let Some(name) = environment.or_else(default) {
+                project.look.set_environment(environment_named(&name));
             }
             Ok(Box::new(Studio::new(&gpu, Stage::new(project)?)?))
         };

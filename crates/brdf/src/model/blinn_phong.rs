@@ -4,10 +4,10 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::ReflectanceModel;
+use super::{ReflectanceModel, power_lobe};
 use crate::area::{HalfVectorPatch, power_distance};
 use crate::sampling::{cosine_power, half_vector, reflect, sample_cosine_power};
-use crate::{BASE_COLOR, Layers, LightPatch, Lobe, Parameter, SHININESS, SPECULAR, SPECULAR_COLOR, Surface};
+use crate::{Layers, LightPatch, Lobe, Parameter, SHININESS, Surface};
 
 /// See the module.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +26,12 @@ pub fn blinn_phong_norm(shininess: f32) -> f32 {
 impl ReflectanceModel for BlinnPhong {
     const NAME: &'static str = "blinn-phong";
     const SUMMARY: &'static str = "Lambert and a normalised power of the half vector's cosine";
-    const REQUIRED: &'static [&'static Parameter] = &[&SHININESS, &SPECULAR];
-    const OPTIONAL: &'static [&'static Parameter] = &[&BASE_COLOR, &SPECULAR_COLOR];
+    const REQUIRED: &'static [&'static Parameter] = power_lobe::REQUIRED;
+    const OPTIONAL: &'static [&'static Parameter] = power_lobe::OPTIONAL;
     const SHAPE: Option<&'static Parameter> = Some(&SHININESS);
 
-    /// An interface that reflects everything, times the specular colour.
     fn concerning(surface: Surface) -> Surface {
-        Surface { metallic: 0.0, ior: 0.0, ..surface }
+        power_lobe::concerning(surface)
     }
 
     /// Reciprocal, and seen along the normal it reflects exactly the specular colour, elsewhere less.
@@ -75,12 +74,11 @@ impl ReflectanceModel for BlinnPhong {
         lobe.tint.truncate() * (n_dot_v * n_dot_v)
     }
 
-    /// At its centre the lobe goes with the cosine to the light, which is that to the viewer.
     fn cached(lobe: &Lobe, [white, _]: [Vec3; 2], cosines: f32) -> Vec3 {
-        cosines * lobe.tint.truncate() * white
+        power_lobe::cached(lobe, white, cosines)
     }
 
     fn strength(layers: &Layers) -> Vec3 {
-        layers.diffuse + layers.lobe.tint.truncate()
+        power_lobe::strength(layers)
     }
 }

@@ -11,6 +11,7 @@ pub mod blinn_phong;
 pub mod lambert;
 pub mod metallic_roughness;
 pub mod phong;
+mod power_lobe;
 pub mod torrance_sparrow_beckmann;
 pub mod torrance_sparrow_gaussian;
 

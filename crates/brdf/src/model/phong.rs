@@ -4,12 +4,10 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::ReflectanceModel;
+use super::{ReflectanceModel, power_lobe};
 use crate::area::{away, gaussian_patch, power_distance};
 use crate::sampling::{cosine_power, mirrored, sample_cosine_power};
-use crate::{
-    BASE_COLOR, Frame, Layers, LightPatch, Lobe, Parameter, SHININESS, SPECULAR, SPECULAR_COLOR, Surface,
-};
+use crate::{Frame, Layers, LightPatch, Lobe, Parameter, SHININESS, Surface};
 
 /// See the module.
 #[derive(Clone, Copy, Debug)]
@@ -18,13 +16,12 @@ pub struct Phong;
 impl ReflectanceModel for Phong {
     const NAME: &'static str = "phong";
     const SUMMARY: &'static str = "Lambert and a normalised power of the cosine to the mirror direction";
-    const REQUIRED: &'static [&'static Parameter] = &[&SHININESS, &SPECULAR];
-    const OPTIONAL: &'static [&'static Parameter] = &[&BASE_COLOR, &SPECULAR_COLOR];
+    const REQUIRED: &'static [&'static Parameter] = power_lobe::REQUIRED;
+    const OPTIONAL: &'static [&'static Parameter] = power_lobe::OPTIONAL;
     const SHAPE: Option<&'static Parameter> = Some(&SHININESS);
 
-    /// An interface that reflects everything, times the specular colour.
     fn concerning(surface: Surface) -> Surface {
-        Surface { metallic: 0.0, ior: 0.0, ..surface }
+        power_lobe::concerning(surface)
     }
 
     /// `(s + 2) / (2 pi) cos^s`, the cosine being that between `wi` and the mirrored `wo`.
@@ -70,12 +67,11 @@ impl ReflectanceModel for Phong {
         lobe.tint.truncate() * n_dot_v
     }
 
-    /// At its centre the lobe goes with the cosine to the light, which is that to the viewer.
     fn cached(lobe: &Lobe, [white, _]: [Vec3; 2], cosines: f32) -> Vec3 {
-        cosines * lobe.tint.truncate() * white
+        power_lobe::cached(lobe, white, cosines)
     }
 
     fn strength(layers: &Layers) -> Vec3 {
-        layers.diffuse + layers.lobe.tint.truncate()
+        power_lobe::strength(layers)
     }
 }

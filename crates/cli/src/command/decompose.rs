@@ -1,12 +1,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gnomon::lights::fit::{self, FitSettings};
 use gnomon::lights::preview;
+use gnomon::studio;
 use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
-use crate::options::{Fitted, LookArgs, load_environment, projection};
+use crate::options::{Fitted, LookArgs, Selection, environment_help, load_environment};
 use crate::output;
 
 /// Take an environment apart into area lights and an ambient rest
@@ -18,29 +18,17 @@ use crate::output;
   gnomon decompose grace.hdr --preview lights.png
   gnomon decompose room --method partition --light-count 60 -o lights.json --residual rest.exr")]
 pub struct DecomposeArgs {
-    /// Environment map (HDR or EXR), or a built-in one: room, sky
-    #[arg(value_name = "ENV")]
+    /// Environment map, or a built-in one
+    #[arg(value_name = "ENV", help = environment_help())]
     environment: String,
 
-    /// How to fit lights: disks, squares, rectangles, partition, optimized or samples (see gnomon info)
-    #[arg(long, value_name = "METHOD", default_value = "disks")]
-    method: String,
-
     #[command(flatten)]
-    fit: LookArgs<Fitted>,
+    look: LookArgs<Fitted>,
 
     /// For scenes that stand on a ground, which little light from below reaches: a partition of fewer than 48 lights, optimized or
     /// not, spends few of them there
     #[arg(long)]
     above_ground: bool,
-
-    /// Layout of the map, where its shape does not tell: equirect, vertical-cross, ...
-    #[arg(long, value_name = "NAME", value_parser = projection)]
-    projection: Option<gnomon::envmap::Projection>,
-
-    /// Turn the environment about +y by the right-hand rule
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = crate::options::finite)]
-    env_rotation: f32,
 
     /// Write the lights as JSON here instead of on standard output
     #[arg(short, long, value_name = "LIGHTS.json")]
@@ -72,12 +60,12 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     if let Some(path) = &args.preview {
         output::check(path, &["png"])?;
     }
-    let mut asked = FitSettings::default();
-    args.fit.given.apply(&mut asked);
-    let method = fit::by_name(&args.method, &asked.options(args.above_ground)?)?;
+    let mut asked = Fitted::defaults().fit;
+    args.look.given.apply(&mut asked);
+    asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");
-    let environment = load_environment(&args.environment, args.projection, args.env_rotation, terminal)?;
-    let lights = method.fit(&environment)?;
+    let environment = load_environment(&args.environment, &args.look.given, terminal)?;
+    let lights = studio::fit_lights(&asked, args.above_ground, &environment)?;
     drop(spinner);
     if let Some(path) = &args.residual {
         gnomon::picture::write(path, lights.residual.radiance())?;

@@ -54,7 +54,7 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
     let mut look = Look::default();
     look.picture.size = [WIDTH, HEIGHT];
     let mut project = Project::open(&args.scene, look, &args.gpu.look.given)?;
-    project.set_environment(environment_named(&args.env));
+    project.look.set_environment(environment_named(&args.env));
     let spinner = terminal.spinner("rendering");
     let gpu = Gpu::new(&GpuOptions { adapter: args.gpu.adapter.clone() })?;
     let mut studio = Studio::new(&gpu, stage(project, terminal)?)?;

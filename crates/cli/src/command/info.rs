@@ -79,7 +79,8 @@ fn lists() -> Vec<(&'static str, Vec<String>)> {
         ),
         (
             "environment projections",
-            gnomon::envmap::Projection::all()
+            gnomon::envmap::Projection::ALL
+                .iter()
                 .map(|projection| format!("{}: {}", projection.name(), projection.shape()))
                 .collect(),
         ),

@@ -59,6 +59,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
         width: stage.look().picture.size[0],
         height: stage.look().picture.size[1],
         samples_per_pixel: args.spp,
+        background: stage.look().display.background,
         seed: args.seed,
         ..ReferenceOptions::default()
     };

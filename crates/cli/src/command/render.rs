@@ -3,6 +3,7 @@ use std::time::Instant;
 
 use clap::Args;
 use gnomon::picture::tonemap::ToneMapping;
+use gnomon::renderer::debug_view::DEBUG_VIEWS;
 use gnomon::renderer::{Gpu, GpuOptions, PassTiming};
 use gnomon::studio::Studio;
 use gnomon_terminal::Terminal;
@@ -47,17 +48,24 @@ pub struct RenderArgs {
     #[arg(long, value_name = "STATS.json", conflicts_with_all = ["frames", "duration"])]
     stats: Option<PathBuf>,
 
-    /// Show in place of the picture what it is made of: normals, depth, base-color, shadow-buffer, visibility, shadow-map, lights or points
-    #[arg(long, value_name = "VIEW", conflicts_with_all = ["frames", "duration", "stats"])]
+    /// Show in place of the picture what it is made of
+    #[arg(long, value_name = "VIEW", help = views(), conflicts_with_all = ["frames", "duration", "stats"])]
     debug: Option<String>,
 
-    /// The light that visibility, shadow-map and lights are about, from 0 in the order of the fit
+    /// The light that a view of one is about, from 0 in the order of the fit
     #[arg(long, value_name = "N", default_value_t = 0, requires = "debug")]
     debug_light: usize,
 
     /// Write a scene file that brings the same picture without these options
     #[arg(long, value_name = "SCENE.toml")]
     save_scene: Option<PathBuf>,
+}
+
+fn views() -> String {
+    let views = DEBUG_VIEWS
+        .iter()
+        .map(|view| format!("{}{}", view.name, if view.of_light { " (of one light)" } else { "" }));
+    format!("Show in place of the picture what it is made of: {}", views.collect::<Vec<_>>().join(", "))
 }
 
 /// Frames timed for the statistics, after one that compiles the pipelines, and the time after which fewer will do.

@@ -1,28 +1,26 @@
-use gnomon::envmap::{Equirect, Projection, builtin};
-use gnomon::studio::{self, EnvironmentLook, environment_named};
+use gnomon::envmap::{Equirect, builtin};
+use gnomon::options::Given;
+use gnomon::studio::{self, Look, environment_named};
 use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
 
-/// Reads or makes the environment that the command line names, and turns it about +y [degrees]. What had to be repaired is told as
-/// warnings.
+/// Reads or makes the environment that the command line names, and turns it as it is `given`. What had to be repaired is told as warnings.
 ///
 /// # Errors
 /// Unreadable files, pictures of no known layout, names of nothing.
-pub fn load_environment(
-    name: &str,
-    projection: Option<Projection>,
-    rotation_degrees: f32,
-    terminal: Terminal,
-) -> Result<Equirect, CliError> {
-    let look = EnvironmentLook {
-        source: Some(environment_named(name)),
-        projection: projection.map(|projection| projection.name().to_owned()),
-        ..EnvironmentLook::default()
-    };
+pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result<Equirect, CliError> {
+    let mut look = Look { map: Some(environment_named(name)), ..Look::default() };
+    given.apply(&mut look);
     let (map, warnings) = studio::load_environment(&look)?;
     warnings.iter().for_each(|warning| terminal.warn(warning));
-    Ok(if rotation_degrees == 0.0 { map } else { map.rotated(rotation_degrees.to_radians()) })
+    let degrees = look.environment.rotation;
+    Ok(if degrees == 0.0 { map } else { map.rotated(degrees.to_radians()) })
+}
+
+/// What an environment may be, for help texts.
+pub fn environment_help() -> String {
+    format!("Environment map (HDR or EXR), or a built-in one: {}", builtin_names())
 }
 
 /// Names of the built-in environments, for people.

@@ -1,77 +1,40 @@
 use std::path::Path;
 
-use clap::{Args, ValueEnum};
-use gnomon::envmap::Projection;
+use clap::Args;
+use gnomon::brdf::{Model, Parameter};
 use gnomon::options::Given;
-use gnomon::scene::{Camera, Ground, ReflectanceSettings};
-use gnomon::scene_files::read_camera;
+use gnomon::scene::{Camera, ReflectanceSettings, builtin};
+use gnomon::scene_files::{self, read_camera};
 use gnomon::studio::{CameraLook, Look, Project, Stage, environment_named};
 use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
-use crate::options::environment::builtin_names;
+use crate::options::environment::{builtin_names, environment_help};
 use crate::options::look::{LookArgs, Shown};
-use crate::options::{finite, projection};
 
 /// What is seen, under which light, from where.
 #[derive(Args, Debug)]
 pub struct InputArgs {
-    /// Scene file (glTF, OBJ, PLY or TOML), or a built-in one: three-boxes, column, terrain
-    #[arg(value_name = "SCENE")]
+    /// Scene file, or a built-in one
+    #[arg(value_name = "SCENE", help = scene_help())]
     scene: String,
 
-    /// Environment map (HDR or EXR), or a built-in one: room, sky [default: the scene file's]
-    #[arg(long, value_name = "ENV")]
+    /// Environment map, or a built-in one
+    #[arg(long, value_name = "ENV", help = format!("{} [default: the scene file's]", environment_help()))]
     env: Option<String>,
-
-    /// Layout of the map, where its shape does not tell: equirect, vertical-cross, ...
-    #[arg(long, value_name = "NAME", value_parser = projection)]
-    projection: Option<Projection>,
-
-    /// Turn the environment about +y by the right-hand rule
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
-    env_rotation: Option<f32>,
 
     /// View: 'eye=X,Y,Z; target=X,Y,Z; fov=DEGREES' (horizontal), a TOML or JSON file with these three, or the name of one of
     /// the scene's cameras [default: the scene's first, or one that frames it over the whole of its clip]
     #[arg(long, value_name = "CAMERA")]
     camera: Option<String>,
 
-    /// Clip of an animated scene, by name or by number from 0 [default: the scene file's, or the model as it stands]
-    #[arg(long, value_name = "NAME")]
-    clip: Option<String>,
-
-    /// Time in the clip in seconds; beyond its end it starts again [default: the scene file's, or 0]
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = finite)]
-    time: Option<f32>,
-
-    /// Ground under the scene, at its lowest point over the whole of its clip [default: plane for OBJ and PLY, none for others]
-    #[arg(long, value_name = "GROUND")]
-    ground: Option<GroundName>,
-
-    /// Reflectance of every material of the scene but the ground's, as MODEL:KEY=VALUE,...: phong or blinn-phong (shininess, specular,
-    /// diffuse), torrance-sparrow-beckmann or -gaussian (slope, specular, ior, metallic, diffuse), metallic-roughness
-    /// (roughness, ...), lambert; a color is one number or R/G/B [default: the scene's own]
-    #[arg(long, value_name = "MODEL")]
+    /// Reflectance of every material of the scene but the ground's, as MODEL:KEY=VALUE,...; a color is one number or R/G/B
+    /// [default: the scene's own]
+    #[arg(long, value_name = "MODEL", long_help = reflectance_help())]
     reflectance: Option<ReflectanceSettings>,
 
     #[command(flatten)]
     look: LookArgs<Shown>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum GroundName {
-    Plane,
-    None,
-}
-
-impl From<GroundName> for Ground {
-    fn from(name: GroundName) -> Self {
-        match name {
-            GroundName::Plane => Self::Plane,
-            GroundName::None => Self::None,
-        }
-    }
 }
 
 impl InputArgs {
@@ -80,30 +43,24 @@ impl InputArgs {
     /// # Errors
     /// Files that cannot be used, names of nothing, no environment.
     pub fn project(&self, given: &Given) -> Result<Project, CliError> {
-        let mut project = Project::open(&self.scene, Look::default(), &self.look.given.with(given))?;
-        if let Some(name) = &self.env {
-            project.set_environment(environment_named(name));
-        }
+        let given = self.look.given.with(given);
+        let mut project = Project::open(&self.scene, Look::default(), &given)?;
         let look = &mut project.look;
-        if look.environment.source.is_none() {
+        if let Some(name) = &self.env {
+            look.set_environment(environment_named(name));
+            given.apply(look);
+        }
+        if look.map.is_none() {
             return Err(CliError::usage(format!(
                 "{} brings no environment: give one with --env (a file, or {})",
                 self.scene,
                 builtin_names()
             )));
         }
-        let environment = &mut look.environment;
-        environment.rotation = self.env_rotation.unwrap_or(environment.rotation);
-        if let Some(projection) = self.projection {
-            environment.projection = Some(projection.name().to_owned());
-        }
         if let Some(reflectance) = &self.reflectance {
             look.reflectance = Some(reflectance.clone());
             look.surfaces.clear();
         }
-        look.ground = self.ground.map_or(look.ground, Ground::from);
-        look.animation.clip = self.clip.clone().or(look.animation.clip.take());
-        look.animation.time = self.time.unwrap_or(look.animation.time);
         if let Some(text) = &self.camera {
             let is_named = project.scene.cameras.iter().any(|camera| camera.name == *text);
             look.camera = match is_named {
@@ -113,6 +70,27 @@ impl InputArgs {
         }
         Ok(project)
     }
+}
+
+fn scene_help() -> String {
+    let formats: Vec<_> = scene_files::formats().iter().map(|format| format.name).collect();
+    format!("Scene file ({}), or a built-in one: {}", formats.join(", "), builtin::NAMES.join(", "))
+}
+
+/// What `--reflectance` takes: every model with its parameters.
+fn reflectance_help() -> String {
+    let mut text = "Reflectance of every material of the scene but the ground's, as MODEL:KEY=VALUE,...; a color is one number or R/G/B \
+        [default: the scene's own]"
+        .to_owned();
+    for model in Model::ALL {
+        let names = |parameters: &[&Parameter]| {
+            parameters.iter().map(|parameter| parameter.names()).collect::<Vec<_>>().join(", ")
+        };
+        let (required, optional) = (names(model.required()), names(model.optional()));
+        let needs = if required.is_empty() { String::new() } else { format!("; needs {required}") };
+        text += &format!("\n- {}: {}{needs}; takes {optional}", model.name(), model.summary());
+    }
+    text
 }
 
 /// Reads the environment, takes the pose, and tells what had to be repaired as warnings.

@@ -8,28 +8,26 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use gnomon::lights::fit::FitSettings;
 use gnomon::options::{Given, Kind, OptionError, OptionSpec, OptionValue, Options, specs};
 use gnomon::renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
-use gnomon::studio::{Look, PictureSettings};
+use gnomon::studio::{AnimationLook, EnvironmentLook, Look, PictureSettings, SceneLook};
 
 /// Which options a command takes.
 pub trait Selection {
     /// They.
     fn specs() -> Vec<&'static OptionSpec>;
+
+    /// The look that the options are laid over.
+    fn defaults() -> Look {
+        Look::default()
+    }
 }
 
-/// Whether the environment is seen, which the reference always shows.
-const BACKGROUND: &str = "background";
-/// The fit's name, which `decompose` calls otherwise.
-const FIT: &str = "lights";
-
-/// How a picture is shown, whatever makes it.
+/// What is seen and how it is shown, whatever makes the picture.
 #[derive(Clone, Debug)]
 pub struct Shown;
 
 impl Selection for Shown {
     fn specs() -> Vec<&'static OptionSpec> {
-        let mut specs = specs::<(PictureSettings, DisplaySettings)>();
-        specs.retain(|spec| spec.name() != BACKGROUND);
-        specs
+        specs::<(EnvironmentLook, (SceneLook, (AnimationLook, (PictureSettings, DisplaySettings))))>()
     }
 }
 
@@ -39,21 +37,24 @@ pub struct Drawn;
 
 impl Selection for Drawn {
     fn specs() -> Vec<&'static OptionSpec> {
-        let background = specs::<DisplaySettings>().into_iter().filter(|spec| spec.name() == BACKGROUND);
-        let drawn = specs::<(FitSettings, (LightingSettings, TechniqueSettings))>();
-        drawn.into_iter().chain(background).collect()
+        specs::<(FitSettings, (LightingSettings, TechniqueSettings))>()
     }
 }
 
-/// How lights are fitted, once the fit is chosen.
+/// How lights are fitted to an environment that no scene is under.
 #[derive(Clone, Debug)]
 pub struct Fitted;
 
 impl Selection for Fitted {
     fn specs() -> Vec<&'static OptionSpec> {
-        let mut specs = specs::<FitSettings>();
-        specs.retain(|spec| spec.name() != FIT);
-        specs
+        specs::<(FitSettings, EnvironmentLook)>()
+    }
+
+    // The lights themselves are what is asked for: few of them, that people can look at.
+    fn defaults() -> Look {
+        let mut look = Look::default();
+        look.fit.method = "disks".to_owned();
+        look
     }
 }
 
@@ -68,7 +69,7 @@ pub struct LookArgs<S> {
 impl<S: Selection> Args for LookArgs<S> {
     fn augment_args(command: Command) -> Command {
         let mut defaults = BTreeMap::new();
-        Look::default().visit(&mut |spec, field| drop(defaults.insert(spec.name(), field.get())));
+        S::defaults().visit(&mut |spec, field| drop(defaults.insert(spec.name(), field.get())));
         let specs = S::specs();
         specs.iter().fold(command, |command, spec| {
             let default = defaults.get(&spec.name()).unwrap_or(&OptionValue::Automatic);
@@ -112,7 +113,7 @@ fn argument(spec: &'static OptionSpec, default: &OptionValue, all: &[&'static Op
         .help_heading(spec.heading())
         // Parameters of techniques are many: `--help` shows them, `-h` does not.
         .hide_short_help(!spec.group.table.is_empty())
-        .allow_negative_numbers(matches!(spec.kind, Kind::Number { .. }));
+        .allow_negative_numbers(matches!(spec.kind, Kind::Number { .. } | Kind::Angle));
     if let Some(alias) = spec.alias.filter(|alias| *alias != spec.name()) {
         argument = argument.visible_alias(alias);
     }

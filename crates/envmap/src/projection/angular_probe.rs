@@ -14,7 +14,6 @@ const PARTS: usize = 4;
 /// As Debevec describes it: the centre looks along -z, +x is to the right, +y above.
 pub(super) const ENTRY: Entry = Entry {
     projection: Projection::AngularProbe,
-    name: "angular-probe",
     shape: "1:1",
     attribute: None,
     fits: |width, height| width > 0 && width == height,
@@ -25,7 +24,6 @@ pub(super) const ENTRY: Entry = Entry {
 /// is a mirror image of the place.
 pub(super) const MIRRORED: Entry = Entry {
     projection: Projection::MirroredProbe,
-    name: "mirrored-probe",
     shape: "1:1",
     attribute: None,
     fits: |_, _| false,

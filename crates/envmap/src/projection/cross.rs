@@ -7,7 +7,6 @@ use super::{Entry, Projection, Unfolded};
 /// Debevec's: rows `+y`; `-x -z +x`; `-y`; `+z` turned by half.
 pub(super) const VERTICAL: Entry = Entry {
     projection: Projection::VerticalCross,
-    name: "vertical-cross",
     shape: "3:4",
     attribute: None,
     fits: |width, height| size(width, height, 3, 4).is_some(),
@@ -27,7 +26,6 @@ pub(super) const VERTICAL: Entry = Entry {
 /// `+y` above and `-y` below the second face of the row `-x -z +x +z`.
 pub(super) const HORIZONTAL: Entry = Entry {
     projection: Projection::HorizontalCross,
-    name: "horizontal-cross",
     shape: "4:3",
     attribute: None,
     fits: |width, height| size(width, height, 4, 3).is_some(),

@@ -8,7 +8,6 @@ use crate::resample::equirect_from_picture;
 
 pub(super) const ENTRY: Entry = Entry {
     projection: Projection::Equirect,
-    name: "equirect",
     shape: "2:1",
     attribute: Some(EnvironmentAttribute::LatLong),
     // Some programs round one side, and cut a row.

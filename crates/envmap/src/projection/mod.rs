@@ -1,4 +1,5 @@
-//! How a picture covers the sphere of directions. A new projection is one file here and one line in [`PROJECTIONS`].
+//! How a picture covers the sphere of directions. A new projection is one file here, its variant of [`Projection`] and its line in
+//! [`PROJECTIONS`].
 
 mod angular_probe;
 mod cross;
@@ -6,33 +7,33 @@ mod equirect;
 mod six_faces;
 
 use glam::Vec3;
+use gnomon_options::choices;
 use gnomon_picture::{EnvironmentAttribute, RgbImage};
 
 use crate::Equirect;
 use crate::grid::Sampling;
 
-/// How an environment picture is laid out; `CONVENTIONS.md` gives the axes of each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Projection {
-    /// Latitude-longitude, 2 wide to 1 high.
-    Equirect,
-    /// Six faces as a cross 3 wide and 4 high (Debevec).
-    VerticalCross,
-    /// Six faces as a cross 4 wide and 3 high.
-    HorizontalCross,
-    /// Six faces in a column or a row (OpenEXR).
-    SixFaces,
-    /// Angular map of a mirror ball: the whole sphere in a disc (Debevec).
-    AngularProbe,
-    /// The same with front and back exchanged (OpenImageIO); only by name.
-    MirroredProbe,
+choices! {
+    /// How an environment picture is laid out; `CONVENTIONS.md` gives the axes of each.
+    pub enum Projection {
+        /// Latitude-longitude, 2 wide to 1 high.
+        Equirect = "equirect",
+        /// Six faces as a cross 3 wide and 4 high (Debevec).
+        VerticalCross = "vertical-cross",
+        /// Six faces as a cross 4 wide and 3 high.
+        HorizontalCross = "horizontal-cross",
+        /// Six faces in a column or a row (OpenEXR).
+        SixFaces = "six-faces",
+        /// Angular map of a mirror ball: the whole sphere in a disc (Debevec).
+        AngularProbe = "angular-probe",
+        /// The same with front and back exchanged (OpenImageIO); only by name.
+        MirroredProbe = "mirrored-probe",
+    }
 }
 
 /// What one projection provides.
 struct Entry {
     projection: Projection,
-    /// Name on the command line.
-    name: &'static str,
     /// Its shape, for people.
     shape: &'static str,
     /// The `envmap` attribute that announces it.
@@ -62,24 +63,9 @@ pub(crate) trait Unfolded {
 }
 
 impl Projection {
-    /// Every projection, in the order in which shapes are tried.
-    pub fn all() -> impl Iterator<Item = Self> {
-        PROJECTIONS.iter().map(|entry| entry.projection)
-    }
-
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        self.entry().map_or("", |entry| entry.name)
-    }
-
     /// The shape that announces it, for people.
     pub fn shape(self) -> &'static str {
         self.entry().map_or("", |entry| entry.shape)
-    }
-
-    /// The projection of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        PROJECTIONS.iter().find(|entry| entry.name == name).map(|entry| entry.projection)
     }
 
     /// The projection that an EXR file's `envmap` attribute or else the picture's shape announces.
@@ -92,7 +78,7 @@ impl Projection {
 
     /// One line that names every projection with its shape.
     pub(crate) fn list() -> String {
-        let one = |entry: &Entry| format!("{} ({})", entry.name, entry.shape);
+        let one = |entry: &Entry| format!("{} ({})", entry.projection.name(), entry.shape);
         PROJECTIONS.iter().map(one).collect::<Vec<_>>().join(", ")
     }
 
@@ -118,9 +104,9 @@ mod tests {
 
     #[test]
     fn every_projection_is_registered_once_and_found_by_name() {
-        for projection in Projection::all() {
+        for &projection in Projection::ALL {
             assert_eq!(Projection::from_name(projection.name()), Some(projection));
-            assert_eq!(Projection::all().filter(|&other| other == projection).count(), 1);
+            assert_eq!(PROJECTIONS.iter().filter(|entry| entry.projection == projection).count(), 1);
         }
         assert_eq!(Projection::from_name("mercator"), None);
     }

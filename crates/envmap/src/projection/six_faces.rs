@@ -8,7 +8,6 @@ use crate::resample::equirect_from_faces;
 
 pub(super) const ENTRY: Entry = Entry {
     projection: Projection::SixFaces,
-    name: "six-faces",
     shape: "1:6 or 6:1",
     attribute: Some(EnvironmentAttribute::Cube),
     fits: |width, height| size(width, height).is_some(),

@@ -11,7 +11,7 @@ settings! {
     /// under every environment measured, and the one that does it with the fewest lights.
     pub struct FitSettings in GROUP {
         /// How lights are fitted to the environment.
-        method: String = "optimized".to_owned(), choice(method_choices).flag("lights");
+        method: String = "optimized".to_owned(), choice(method_choices).flag("lights").alias("method");
         /// Number of lights.
         light_count: Option<usize> = None,
             whole(1, MAX_LIGHTS as i64).automatic("the fit's own choice", 48.0).excludes("threshold");

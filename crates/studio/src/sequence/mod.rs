@@ -115,7 +115,7 @@ impl Sequence {
     pub fn description(&self, stage: &Stage, how: Value) -> (Value, String) {
         let mut digest = Digest::default();
         let mut look = self.look.clone();
-        look.environment.source = None;
+        look.map = None;
         let words = |look: &Look| {
             json!({
                 "program": concat!("gnomon ", env!("CARGO_PKG_VERSION")),

@@ -217,7 +217,7 @@ fn drawing_the_panel_changes_nothing() {
     for name in [
         "shininess",
         "own base_color",
-        "rotation",
+        "env-rotation",
         "ambient-cells",
         "exposure",
         "convolution-order",

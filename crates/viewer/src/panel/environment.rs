@@ -1,13 +1,14 @@
 //! The environment.
 
 use gnomon_scene_files::EnvironmentSource;
-use gnomon_studio::Look;
+use gnomon_studio::{ENVIRONMENT, Look};
 
 use super::fields::Fields;
+use super::options;
 use super::scene::file_name;
 
-pub fn show(fields: &mut Fields<'_>, wanted: &mut Look) {
-    let name = match &wanted.environment.source {
+pub fn show(fields: &mut Fields<'_>, wanted: &mut Look, in_force: &Look) {
+    let name = match &wanted.map {
         None => "none".to_owned(),
         Some(EnvironmentSource::Builtin(name)) => name.clone(),
         Some(EnvironmentSource::File(path)) => file_name(path),
@@ -15,20 +16,8 @@ pub fn show(fields: &mut Fields<'_>, wanted: &mut Look) {
     let names: Vec<&str> = gnomon_envmap::builtin::names().collect();
     let entries = names.iter().map(|name| (*name, "built in"));
     if let Some(picked) = fields.choice("map", "environment", &name, entries) {
-        wanted.environment = gnomon_studio::EnvironmentLook {
-            source: Some(EnvironmentSource::Builtin(picked.to_owned())),
-            ..Default::default()
-        };
+        wanted.set_environment(EnvironmentSource::Builtin(picked.to_owned()));
         wanted.display.exposure = None;
     }
-    // Any number of turns is allowed.
-    let mut rotation = wrapped(wanted.environment.rotation);
-    if fields.slider("rotation", "rotation", &mut rotation, -180.0..=180.0, "°") {
-        wanted.environment.rotation = rotation;
-    }
-}
-
-/// The same angle from -180 to 180 degrees.
-pub fn wrapped(degrees: f32) -> f32 {
-    if degrees.abs() <= 180.0 { degrees } else { (degrees + 180.0).rem_euclid(360.0) - 180.0 }
+    options::show(fields, wanted, ENVIRONMENT.heading, in_force, &options::as_declared);
 }

@@ -9,10 +9,9 @@ mod times;
 mod view;
 
 use eframe::egui::Ui;
-use gnomon_options::OptionSpec;
-use gnomon_studio::Look;
+use gnomon_studio::{ENVIRONMENT, Look, SCENE, Studio};
 
-pub use environment::wrapped;
+pub use options::wrapped;
 
 use crate::panel::fields::Fields;
 use crate::targets::Targets;
@@ -28,25 +27,14 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, targets: &mut Targets) {
         return;
     };
     let mut wanted: Look = look.clone();
+    let in_force = viewer.studio().map_or(Look::default(), |studio| in_force(studio));
     let mut fields = Fields { ui, targets };
-    fields.section("Scene", true, |fields| scene::show(fields, viewer, &mut wanted));
+    fields.section(SCENE.heading, true, |fields| scene::show(fields, viewer, &mut wanted));
     fields.section("View", true, |fields| view::show(fields, viewer));
-    fields.section("Environment", true, |fields| environment::show(fields, &mut wanted));
-    let (exposure, fitted, summed) = viewer.studio().map_or((0.0, 0, 0), |studio| {
-        let (fitted, summed) = (studio.lights().lights.len(), studio.renderer().light_count());
-        (studio.stage().exposure(), fitted, summed)
-    });
-    let in_force = |spec: &OptionSpec| match spec.name().as_str() {
-        "exposure" => Some(exposure),
-        "light-count" => Some(fitted.max(1) as f32),
-        _ => None,
-    };
-    for heading in options::headings(&wanted) {
+    fields.section(ENVIRONMENT.heading, true, |fields| environment::show(fields, &mut wanted, &in_force));
+    for heading in options::headings(&wanted, &[SCENE.heading, ENVIRONMENT.heading]) {
         fields.section(heading.title, heading.open, |fields| {
-            options::show(fields, &mut wanted, heading.title, &in_force);
-            if heading.title == "Lights" {
-                fields.text("in force", &format!("{fitted} fitted, {summed} with ambient"));
-            }
+            options::show(fields, &mut wanted, heading.title, &in_force, &options::as_declared);
         });
     }
     fields.section("Material", false, |fields| material::show(fields, &mut wanted.reflectance));
@@ -60,4 +48,12 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, targets: &mut Targets) {
     if wanted != look {
         viewer.edit(|look| *look = wanted);
     }
+}
+
+/// The look of a session with what the program has come to where an option is left to it.
+fn in_force(studio: &Studio) -> Look {
+    let mut look = studio.look().clone();
+    look.display.exposure = Some(studio.stage().exposure());
+    look.fit.light_count = Some(studio.lights().lights.len().max(1));
+    look
 }

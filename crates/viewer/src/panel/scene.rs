@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use eframe::egui::Id;
-use gnomon_scene::{Ground, builtin};
-use gnomon_studio::{AnimationLook, Look, SceneSource};
+use gnomon_scene::builtin;
+use gnomon_studio::{Look, SCENE, SceneSource};
 
 use super::fields::Fields;
+use super::options::{self, Offer};
 use crate::viewer::Viewer;
 
 pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
@@ -26,11 +27,7 @@ pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
     }
     fields.text("triangles", &triangles.to_string());
     open_line(fields, viewer);
-    let mut ground = wanted.ground == Ground::Plane;
-    if fields.check("ground", "ground", &mut ground, "a plane under the models") {
-        wanted.ground = if ground { Ground::Plane } else { Ground::None };
-    }
-    animation(fields, viewer, wanted, &animations);
+    options_of_scene(fields, viewer, wanted, &animations);
 }
 
 /// A path, for whoever cannot drop a file.
@@ -43,29 +40,39 @@ fn open_line(fields: &mut Fields<'_>, viewer: &mut Viewer) {
     fields.ui.data_mut(|data| data.insert_temp(id, path));
 }
 
-fn animation(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look, animations: &[(String, f32)]) {
-    const REST: &str = "at rest";
-    if animations.is_empty() {
-        return;
-    }
-    let names: Vec<&str> = animations.iter().map(|(name, _)| name.as_str()).collect();
-    let labels = clip_labels(&names);
-    let chosen = wanted.animation.clip.as_deref().and_then(|clip| clip_number(&names, clip));
-    let shown = chosen.map_or(REST, |clip| labels[clip].as_str());
-    let entries = std::iter::once(REST).chain(labels.iter().map(String::as_str)).map(|label| (label, ""));
-    if let Some(picked) = fields.choice("clip", "clip", shown, entries) {
-        let clip = labels.iter().position(|label| label == picked);
-        viewer.playing = clip.is_some();
-        wanted.animation = AnimationLook { clip: clip.map(|clip| clip_name(&names, clip)), time: 0.0 };
-    }
-    let Some(duration) = chosen.map(|clip| animations[clip].1) else { return };
-    let is_beyond = duration > 0.0 && wanted.animation.time > duration;
-    let mut time = if is_beyond { wanted.animation.time.rem_euclid(duration) } else { wanted.animation.time };
-    if fields.slider("time", "time", &mut time, 0.0..=duration.max(1e-3), " s") {
-        wanted.animation.time = time;
+/// Options whose choices are the scene's own clips, and the rest.
+fn options_of_scene(
+    fields: &mut Fields<'_>,
+    viewer: &mut Viewer,
+    wanted: &mut Look,
+    clips: &[(String, f32)],
+) {
+    let names: Vec<&str> = clips.iter().map(|(name, _)| name.as_str()).collect();
+    let look = wanted.clone();
+    let before = &look.animation;
+    let chosen = look.animation.clip.as_deref().and_then(|clip| clip_number(&names, clip));
+    let playing = chosen.map(|clip| clips[clip].1);
+    // The clip that plays may go by its number where it has a name.
+    let text_of = |clip| match &before.clip {
+        Some(text) if chosen == Some(clip) => text.clone(),
+        _ => clip_name(&names, clip),
+    };
+    let texts = || clip_labels(&names).into_iter().enumerate().map(|(clip, label)| (text_of(clip), label));
+    options::show(fields, wanted, SCENE.heading, &look, &|spec| match (spec.key, playing) {
+        ("clip", _) if !clips.is_empty() => Offer::Texts(texts().collect()),
+        ("time", Some(duration)) => Offer::UpTo(duration),
+        ("clip" | "time", _) => Offer::Nothing,
+        _ => Offer::Declared,
+    });
+    if wanted.animation.clip != before.clip {
+        viewer.playing = wanted.animation.clip.is_some();
+        wanted.animation.time = 0.0;
+    } else if wanted.animation.time != before.time {
         viewer.playing = false;
     }
-    fields.check("", "play", &mut viewer.playing, "run (Space)");
+    if playing.is_some() {
+        fields.check("", "play", &mut viewer.playing, "run (Space)");
+    }
 }
 
 /// Names of clips for people: a clip without a name of its own goes by its number.

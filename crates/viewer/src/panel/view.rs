@@ -7,7 +7,10 @@ use crate::picture::{DebugChoice, Shown};
 use crate::viewer::Viewer;
 
 pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer) {
-    let lights = viewer.studio().map_or(0, |studio| studio.renderer().light_count());
+    let (fitted, lights) = viewer
+        .studio()
+        .map_or((0, 0), |studio| (studio.lights().lights.len(), studio.renderer().light_count()));
+    fields.text("lights", &format!("{fitted} fitted, {lights} with ambient"));
     let picture = &mut viewer.picture;
     let shown = Shown::ALL.iter().find(|(shown, _)| *shown == picture.shown).map_or("", |(_, name)| name);
     if let Some(picked) =

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gnomon_scene_files::EnvironmentSource;
-use gnomon_studio::{EnvironmentLook, SceneSource, StudioError};
+use gnomon_studio::{SceneSource, StudioError};
 
 use super::Viewer;
 use crate::files::{FileKind, kind_of};
@@ -32,7 +32,7 @@ impl Viewer {
     /// Takes another environment, as it is.
     pub fn set_environment(&mut self, source: EnvironmentSource) {
         self.edit(|look| {
-            look.environment = EnvironmentLook { source: Some(source), ..EnvironmentLook::default() };
+            look.set_environment(source);
             look.display.exposure = None;
         });
     }

@@ -13,10 +13,15 @@ impl OptionSpec {
             Kind::Whole { least, most: i64::MAX } => format!("a whole number from {least}{unit}"),
             Kind::Whole { least, most } => format!("a whole number from {least} to {most}{unit}"),
             Kind::PowerOfTwo { least, most } => format!("a power of two from {least} to {most}{unit}"),
+            Kind::Number { least: f32::MIN, most: f32::MAX, .. } => {
+                format!("a finite number [{}]", self.unit)
+            }
             Kind::Number { least, most, closed: true } => format!("a number from {least} to {most}{unit}"),
             Kind::Number { least, most, closed: false } => {
                 format!("a number above {least} and below {most}{unit}")
             }
+            Kind::Angle => "a finite angle in degrees".to_owned(),
+            Kind::Text => "a text".to_owned(),
             Kind::Choice(_) => format!("one of: {}", self.choice_names()),
             Kind::Size => "WIDTHxHEIGHT in pixels, as in 640x480".to_owned(),
         };
@@ -32,10 +37,11 @@ impl OptionSpec {
 
     /// The default, in words.
     pub fn default_text(&self, default: &OptionValue) -> String {
-        match (default, self.automatic) {
-            (OptionValue::Automatic, Some(meaning)) => meaning.to_owned(),
-            (value, _) => value.to_string(),
-        }
+        self.default_in_words(default).map_or_else(|| default.to_string(), str::to_owned)
+    }
+
+    fn default_in_words(&self, default: &OptionValue) -> Option<&'static str> {
+        self.varies.or(self.automatic.filter(|_| *default == OptionValue::Automatic))
     }
 
     /// What it does, what it may be and what it is by default, in one paragraph.
@@ -61,22 +67,28 @@ impl OptionSpec {
             Kind::Bool => "BOOL",
             Kind::Whole { .. } | Kind::PowerOfTwo { .. } => "N",
             Kind::Number { .. } => "X",
-            Kind::Choice(_) => "NAME",
+            Kind::Angle => "DEG",
+            Kind::Text | Kind::Choice(_) => "NAME",
             Kind::Size => "WxH",
         }
     }
 }
 
-/// Tables of options in Markdown, one for each table of a scene file: the outer one, called `name`, and those of groups.
+/// Tables of options in Markdown, one for each table of a scene file: the outer one, called `name`, and those of groups. What has no
+/// name is the scene file itself.
 pub fn markdown(name: &str, settings: &dyn Options) -> String {
     let mut text = String::new();
     let mut table = None;
     settings.visit(&mut |spec, field| {
         let group = spec.group.table;
         if table != Some(group) {
-            let path = if group.is_empty() { name.to_owned() } else { format!("{name}.{group}") };
+            let path = match (name, group) {
+                ("", _) => "key".to_owned(),
+                (name, "") => format!("`[{name}]`"),
+                (name, group) => format!("`[{name}.{group}]`"),
+            };
             let space = if table.is_some() { "\n" } else { "" };
-            let _ = writeln!(text, "{space}| `[{path}]` | value | default |\n|---|---|---|");
+            let _ = writeln!(text, "{space}| {path} | value | default |\n|---|---|---|");
             table = Some(group);
         }
         let _ = writeln!(text, "{}", row(spec, &field.get()));
@@ -94,18 +106,18 @@ fn row(spec: &OptionSpec, default: &OptionValue) -> String {
         Kind::Size => "`[width, height]` in pixels".to_owned(),
         _ => spec.allowed(),
     };
-    let default = match (default, spec.automatic) {
-        (OptionValue::Automatic, Some(meaning)) => meaning.to_owned(),
-        (OptionValue::Name(name), _) => format!("`\"{name}\"`"),
-        (OptionValue::Size([width, height]), _) => format!("`[{width}, {height}]`"),
-        (value, _) => format!("`{value}`"),
+    let default = match (spec.default_in_words(default), default) {
+        (Some(words), _) => words.to_owned(),
+        (None, OptionValue::Name(name)) => format!("`\"{name}\"`"),
+        (None, OptionValue::Size([width, height])) => format!("`[{width}, {height}]`"),
+        (None, value) => format!("`{value}`"),
     };
     let mut key = format!("`{}`", spec.key);
     let path = format!("{}-{}", spec.group.table, spec.key).replace('_', "-");
     if spec.name() != path.trim_start_matches('-') {
         let _ = write!(key, " (`--{}`)", spec.name());
     }
-    if let Some(alias) = spec.alias {
+    if let Some(alias) = spec.alias.filter(|_| !spec.group.table.is_empty()) {
         let _ = write!(key, " (also `{}` in the outer table)", alias.replace('-', "_"));
     }
     format!("| {key} | {} {} | {default} |", spec.help(), sentence(&allowed))

@@ -1,0 +1,117 @@
+//! What shadow techniques compute with.
+
+use glam::{Vec2, Vec4};
+use gnomon_shaders::twin::{depth_moments, sample_pattern, series, weighted_box};
+use gnomon_testing::tolerances::SHADER_TWIN;
+
+use super::compare;
+
+#[test]
+fn shadow_series() {
+    for group in 0..4 {
+        let body = format!("series_phases(a.x, {group}u)[0] + 2.0 * series_phases(a.x, {group}u)[1]");
+        compare(
+            "series",
+            &body,
+            SHADER_TWIN,
+            |u, _| [u, Vec4::ZERO],
+            move |[a, _]| {
+                let [cosines, sines] = series::series_phases(a.x, group);
+                cosines + 2.0 * sines
+            },
+        );
+    }
+    let body = "series_weights(u32(a.x * 4.0), u32(a.y * 17.0))";
+    compare(
+        "series",
+        body,
+        1e-6,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| series::series_weights((a.x * 4.0) as u32, (a.y * 17.0) as u32),
+    );
+    let body = "vec4f(series_lit(mat2x4f(a, b), b, a.wzyx, a), series_blocker_depth(mat2x4f(a, b), b, a.wzyx, a), 0.0, 0.0)";
+    compare(
+        "series",
+        body,
+        1e-5,
+        |u, v| [u, v],
+        |[a, b]| {
+            let turned = Vec4::new(a.w, a.z, a.y, a.x);
+            let lit = series::series_lit([a, b], b, turned, a);
+            Vec4::new(lit, series::series_blocker_depth([a, b], b, turned, a), 0.0, 0.0)
+        },
+    );
+    let body = "vec4f(suppress_ringing(a.x * 1.4 - 0.2, 0.05, 0.9), sharpen(a.y, a.z, 30.0, 10.0), level_from_width(a.w * 500.0), 0.0)";
+    // Just below a power of two the floor of the logarithm may fall either way; the level is continuous there.
+    compare(
+        "series",
+        body,
+        SHADER_TWIN,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            Vec4::new(
+                series::suppress_ringing(a.x * 1.4 - 0.2, 0.05, 0.9),
+                series::sharpen(a.y, a.z, 30.0, 10.0),
+                series::level_from_width(a.w * 500.0),
+                0.0,
+            )
+        },
+    );
+}
+
+#[test]
+fn sample_patterns() {
+    let body = "vec4f(vogel_disk(u32(a.x * 64.0), u32(a.y * 64.0) + 1u, a.z), hammersley(u32(a.x * 64.0), u32(a.y * 64.0) + 1u))";
+    compare(
+        "sample_pattern",
+        body,
+        SHADER_TWIN,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            let (i, count) = ((a.x * 64.0) as u32, (a.y * 64.0) as u32 + 1);
+            let (disk, square) =
+                (sample_pattern::vogel_disk(i, count, a.z), sample_pattern::hammersley(i, count));
+            disk.extend(square.x).extend(square.y)
+        },
+    );
+}
+
+#[test]
+fn weighted_boxes() {
+    let input = |u: Vec4, v: Vec4| [(2.0 * u - 1.0).with_w(0.0), (0.01 + v).with_z(0.0).with_w(0.0)];
+    let body = "vec4f(weighted_box(a.xyz, b.xy).center, weighted_box(a.xyz, b.xy).half_extent)";
+    compare("weighted_box", body, 1e-3, input, |[a, b]| {
+        let found = weighted_box::weighted_box(a.truncate(), Vec2::new(b.x, b.y));
+        found.center.extend(found.half_extent.x).extend(found.half_extent.y)
+    });
+}
+
+#[test]
+fn moments_of_depth() {
+    // Four depths far enough apart for well-conditioned moments, the receiver's among them.
+    let input = |u: Vec4, v: Vec4| {
+        let z = Vec4::new(-0.9, -0.4, 0.1, 0.6) + 0.3 * u;
+        let receiver = Vec4::new(2.0 * v.x - 1.0, 0.1 + v.y, 0.1 + v.z, 0.1 + v.w);
+        [z, receiver]
+    };
+    let weights = "vec4f(b.yzw, 0.5) / (b.y + b.z + b.w + 0.5)";
+    let columns = "depth_moments(a.x), depth_moments(a.y), depth_moments(a.z), depth_moments(a.w)";
+    let moments = format!("biased_moments(mat4x4f({columns}) * ({weights}), 1e-4)");
+    let twin = |[a, b]: [Vec4; 2]| {
+        let weights = Vec4::new(b.y, b.z, b.w, 0.5) / (b.y + b.z + b.w + 0.5);
+        let moments = (0..4).map(|i| weights[i] * depth_moments::depth_moments(a[i])).sum();
+        depth_moments::biased_moments(moments, 1e-4)
+    };
+    compare("depth_moments", &moments, 1e-6, input, twin);
+    // The matrix of moments amplifies rounding by its condition, some 1e3.
+    let atoms = format!("three_atoms({moments}, b.x)");
+    let body = format!(
+        "vec4f({atoms}.weights.x, blockers_in_front({atoms}) * vec2f(1.0, blockers_in_front({atoms}).x), 0.0)"
+    );
+    compare("depth_moments", &body, 2e-3, input, |[a, b]| {
+        let atoms = depth_moments::three_atoms(twin([a, b]), b.x);
+        let found = depth_moments::blockers_in_front(atoms);
+        // Where next to nothing is in front, its depth means nothing.
+        Vec4::new(atoms.weights.x, found.x, found.x * found.y, 0.0)
+    });
+}
