@@ -239,7 +239,8 @@ impl LightBatches {
         scene: LitScene<'_>,
         stage: &PointStage,
     ) -> Result<(), RenderError> {
-        for batch in self.batches.iter().filter(|batch| self.classes[batch.class].needs.points == stage.list) {
+        for batch in self.batches.iter().filter(|batch| self.classes[batch.class].needs.points == stage.list)
+        {
             let frame = self.frame(batch, scene, stage);
             let shadows = &self.classes[batch.class].shadows;
             shadows.prepare(recorder, &frame)?;

@@ -56,8 +56,7 @@ impl FrameLight<'_> {
         let usual = settings.shadow_resolution;
         let (resolution, is_sharp) = match self {
             Self::Distant { light, .. } => {
-                let most =
-                    if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
+                let most = if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
                 let (footprint, share) = (footprint(light), self.flux() / total_flux.max(f32::MIN_POSITIVE));
                 let resolution = settings.shadow_sizing.resolution(footprint, share, [usual, most]);
                 (resolution, is_sharp(footprint, share))

@@ -228,7 +228,10 @@ impl ShadingPointsPass {
         ];
         let pipeline = |entry| gpu.compute_pipeline(&module, entry, &groups);
         Ok(Self {
-            light_layout: numbered("sums of light", &[read, read, written, written, written, Binding::Uniform]),
+            light_layout: numbered(
+                "sums of light",
+                &[read, read, written, written, written, Binding::Uniform],
+            ),
             compose_layout: numbered("sums to compose", &[read, read, read, read, read, read, read, picture]),
             find_edges: pipeline("find_edges"),
             edge_dispatch: pipeline("edge_dispatch"),
@@ -291,16 +294,7 @@ impl ShadingPointsPass {
         let stages = plan.stages().map(|(kind, stage)| {
             let uniform = gpu.shared_buffer("stage", &stage, wgpu::BufferUsages::UNIFORM);
             let (list_buffers, light_buffers) = (
-                [
-                    &points,
-                    &work,
-                    &point_of_tile,
-                    &point_of_sample,
-                    &diffuse,
-                    &specular,
-                    &near,
-                    &uniform,
-                ],
+                [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near, &uniform],
                 [&points, &work, &diffuse, &specular, &near, &uniform],
             );
             PointStage {
@@ -394,7 +388,10 @@ mod tests {
     #[test]
     fn a_point_is_as_large_as_its_struct() {
         assert_eq!(layout::size::<layout::ShadingPoint>(), POINT_BYTES);
-        assert_eq!(layout::WORK_STAGES + layout::WORK_STAGE * layout::MAX_POINT_STAGES, layout::WORK_EDGE_DISPATCH);
+        assert_eq!(
+            layout::WORK_STAGES + layout::WORK_STAGE * layout::MAX_POINT_STAGES,
+            layout::WORK_EDGE_DISPATCH
+        );
     }
 
     #[test]

@@ -93,10 +93,10 @@ fn scenes_from_memory_are_the_scenes_of_files() {
         if name == "scene.toml" {
             assert_eq!(from_memory.look.fit.light_count, Some(8), "what the file says of how it is drawn");
             let source = EnvironmentSource::File("maps/sky.exr".into());
-            assert_eq!(from_memory.look.environment.source, Some(source));
+            assert_eq!(from_memory.look.map, Some(source));
         } else {
-            from_files.set_environment(environment_named("room"));
-            from_memory.set_environment(environment_named("room"));
+            from_files.look.set_environment(environment_named("room"));
+            from_memory.look.set_environment(environment_named("room"));
         }
         let stages = [from_files, from_memory].map(|project| Stage::new(project).unwrap());
         assert_eq!(stages[0].scene(), stages[1].scene());
@@ -127,7 +127,7 @@ fn a_live_session_takes_scenes_from_memory_each_with_its_own_files() {
         Err(error) => return gnomon_testing::skip(&error.to_string()),
     };
     let mut project = Project::open("column", Look::default(), &Given::default()).unwrap();
-    project.set_environment(environment_named("room"));
+    project.look.set_environment(environment_named("room"));
     project.look.techniques.supersample = 1;
     let mut studio = Studio::new(&gpu, Stage::new(project).unwrap()).unwrap();
     // The second one's map has the name of the first one's.
