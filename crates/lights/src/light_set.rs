@@ -16,6 +16,9 @@ pub struct LightSet {
     pub lights: Vec<DistantLight>,
     /// What is left of the map: the ambient part. As large as the input map.
     pub residual: Equirect,
+    /// Whether light is left out that arrives nowhere in the scene that the set was made for ([`crate::FitOptions::arrival`]): then lights
+    /// and residual hold less than the map, and unshadowed light is theirs.
+    pub omits_hidden: bool,
 }
 
 /// Shares of the map's luminous flux, each in `[0, 1]`; all zero for a black map.
@@ -30,7 +33,7 @@ pub struct FluxShares {
 impl LightSet {
     /// A set without recorded parameters, for lights that no fit made.
     pub fn new(method: &'static str, lights: Vec<DistantLight>, residual: Equirect) -> Self {
-        Self { method, parameters: Map::new(), lights, residual }
+        Self { method, parameters: Map::new(), lights, residual, omits_hidden: false }
     }
 
     /// Lights that hold all of `map`'s flux, so that what is left of it is black.
@@ -41,7 +44,7 @@ impl LightSet {
         map: &Equirect,
     ) -> Self {
         let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
-        Self { method, parameters, lights, residual }
+        Self { method, parameters, lights, residual, omits_hidden: false }
     }
 
     /// Flux [radiance x sr] of all lights together, channel by channel.
@@ -78,6 +81,7 @@ impl LightSet {
             parameters: self.parameters.clone(),
             lights: self.lights.iter().map(|light| light.rotated(yaw)).collect(),
             residual: self.residual.rotated(yaw),
+            omits_hidden: self.omits_hidden,
         }
     }
 }

@@ -15,15 +15,15 @@ use proptest::prelude::*;
 fn all_fits() -> Vec<Box<dyn LightFit>> {
     let none = FitOptions::default();
     let options = [
-        none,
-        FitOptions { light_count: Some(13), ..none },
-        FitOptions { threshold: Some(0.03), ..none },
-        FitOptions { max_extent: Some(0.7), ..none },
-        FitOptions { max_extent: Some(0.7), threshold: Some(0.03), ..none },
-        FitOptions { ground: true, light_count: Some(13), ..none },
-        FitOptions { ground: true, light_count: Some(30), ..none },
+        none.clone(),
+        FitOptions { light_count: Some(13), ..none.clone() },
+        FitOptions { threshold: Some(0.03), ..none.clone() },
+        FitOptions { max_extent: Some(0.7), ..none.clone() },
+        FitOptions { max_extent: Some(0.7), threshold: Some(0.03), ..none.clone() },
+        FitOptions { ground: true, light_count: Some(13), ..none.clone() },
+        FitOptions { ground: true, light_count: Some(30), ..none.clone() },
     ];
-    let sampled = samplers().iter().map(|&sampler| FitOptions { sampler: Some(sampler), ..none });
+    let sampled = samplers().iter().map(|&sampler| FitOptions { sampler: Some(sampler), ..none.clone() });
     let options: Vec<FitOptions> = options.into_iter().chain(sampled).collect();
     methods()
         .iter()
@@ -212,13 +212,13 @@ fn no_light_is_wider_than_allowed() {
 fn options_out_of_range_are_refused_in_words() {
     let none = FitOptions::default();
     for (name, options, words) in [
-        ("rectangles", FitOptions { light_count: Some(3), ..none }, "at least 6"),
-        ("disks", FitOptions { light_count: Some(0), ..none }, "1 to 4096"),
-        ("disks", FitOptions { max_extent: Some(0.01), ..none }, "out of range"),
-        ("squares", FitOptions { max_extent: Some(f32::NAN), ..none }, "out of range"),
-        ("partition", FitOptions { threshold: Some(0.1), ..none }, "no threshold"),
-        ("disks", FitOptions { sampler: sampler_by_name("structured").ok(), ..none }, "no sampler"),
-        ("squares", FitOptions { light_count: Some(9), threshold: Some(0.1), ..none }, "exclude"),
+        ("rectangles", FitOptions { light_count: Some(3), ..none.clone() }, "at least 6"),
+        ("disks", FitOptions { light_count: Some(0), ..none.clone() }, "1 to 4096"),
+        ("disks", FitOptions { max_extent: Some(0.01), ..none.clone() }, "out of range"),
+        ("squares", FitOptions { max_extent: Some(f32::NAN), ..none.clone() }, "out of range"),
+        ("partition", FitOptions { threshold: Some(0.1), ..none.clone() }, "no threshold"),
+        ("disks", FitOptions { sampler: sampler_by_name("structured").ok(), ..none.clone() }, "no sampler"),
+        ("squares", FitOptions { light_count: Some(9), threshold: Some(0.1), ..none.clone() }, "exclude"),
     ] {
         let message = by_name(name, &options).err().unwrap().to_string();
         assert!(message.contains(words) && !message.contains('\n'), "{message}");

@@ -17,6 +17,7 @@
 //! Every estimate is unbiased, depends on the seed and not on the number of threads, and starts anew from the scene that
 //! it is given, so that an animation is one call a pose.
 
+mod arrival;
 mod camera_ray;
 mod environment;
 mod error;
@@ -30,6 +31,7 @@ mod spherical_rectangle;
 mod traced_scene;
 mod welford;
 
+pub use arrival::interior_arrival;
 pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
 pub use progressive::Progressive;

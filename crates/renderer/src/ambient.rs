@@ -67,6 +67,8 @@ pub(crate) struct AmbientLights {
     pub probes: Vec<DistantLight>,
     /// What stays ambient.
     pub residual: Equirect,
+    /// Of the set.
+    pub omits_hidden: bool,
 }
 
 impl Ambient {
@@ -103,6 +105,6 @@ impl Ambient {
                 }
             }
         }
-        Ok(AmbientLights { lights, probes, residual })
+        Ok(AmbientLights { lights, probes, residual, omits_hidden: set.omits_hidden })
     }
 }

@@ -24,6 +24,7 @@ pub struct PreparedLighting {
     lights: Vec<DistantLight>,
     probes: Vec<DistantLight>,
     residual: Equirect,
+    omits_hidden: bool,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
     irradiance: Irradiance,
@@ -56,6 +57,7 @@ impl PreparedLighting {
             prefiltered_full: prefiltered(map),
             rest: PreparedRest::new(&ambient.residual),
             residual: ambient.residual,
+            omits_hidden: ambient.omits_hidden,
             lights: ambient.lights,
             probes: ambient.probes,
         })
@@ -85,6 +87,8 @@ pub(crate) struct Lighting {
     fitted: [Vec<DistantLight>; 2],
     /// What stays ambient, and what is made of it.
     residual: Arc<Equirect>,
+    /// Whether light that arrives nowhere is left out: unshadowed light is then that of the lights.
+    pub omits_hidden: bool,
     pub residual_sh: [Vec4; 9],
     pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
@@ -117,6 +121,7 @@ impl Lighting {
             lights: prepared.lights.clone(),
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
+            omits_hidden: prepared.omits_hidden,
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
             background: upload_maps(gpu, "background", &prepared.background),
@@ -135,6 +140,7 @@ impl Lighting {
             lights: ambient.lights.clone(),
             probes: ambient.probes.clone(),
             fitted: [ambient.lights, ambient.probes],
+            omits_hidden: ambient.omits_hidden,
             ..self
         };
         if *lit.residual == ambient.residual {

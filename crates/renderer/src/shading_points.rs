@@ -68,10 +68,11 @@ const DIFFUSE_BYTES: u64 = 16;
 const SPECULAR_BYTES: u64 = 12;
 const NEAR_BYTES: u64 = 12;
 
-/// Samples for which there is room for one point beside those of tiles, in large pictures; smaller ones have more edges for their size.
+/// Samples for which there is room for one point beside those of tiles, in large pictures. Where more are wanted, the last ones take what the
+/// tiles around them have.
 const SAMPLES_OF_POINT: u64 = 10;
-/// So many points have room in any case, up to one for every second sample.
-const LEAST_POINTS: u64 = 1 << 20;
+/// So many points have room in any case, up to one for every sample: smaller pictures have more edges for their size.
+const LEAST_POINTS: u64 = 1 << 21;
 
 /// What a scene needs beside sums of diffuse light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +140,7 @@ impl PointPlan {
     fn capacity(&self) -> u64 {
         let own = match self.samplings[..] {
             [1] => 0,
-            _ => (self.samples() / SAMPLES_OF_POINT).max(LEAST_POINTS).min(self.samples().div_ceil(2)),
+            _ => (self.samples() / SAMPLES_OF_POINT).max(LEAST_POINTS).min(self.samples()),
         };
         // Buffers have a least size: so many points fill it.
         (self.all_tiles() + own).max(16)

@@ -220,7 +220,10 @@ fn points_are_white_once_a_tile_and_red_at_edges() {
     let floor = horizontal(Vec2::splat(-9.0), Vec2::splat(9.0), -1.0);
     let scene = scene_of(vec![floor, sphere()], Material::default());
     let camera = Camera::look_at(Vec3::new(0.0, 2.0, 4.0), Vec3::ZERO, 0.9);
-    let coarse = settings().with(|s| s.techniques.shadow_sampling = 8);
+    let coarse = settings().with(|s| {
+        s.techniques.shadow_sampling = 8;
+        s.techniques.sharp_shadow_sampling = 8;
+    });
     let mut renderer = renderer(&gpu, coarse, &scene, &one_disk(Vec3::Y, 0.2));
     let at = shown(&mut renderer, &camera, ("points", 0), [SIZE, SIZE]);
     let pixels = || (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y)));

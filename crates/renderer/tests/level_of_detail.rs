@@ -44,10 +44,7 @@ fn a_live_renderer_at_another_level_draws_what_a_fresh_one_draws() {
             let set = lights(method, &map, count);
             live.set_level_of_detail(level, &set).unwrap();
             let found = live.render(&camera, SIZE[0], SIZE[1]).unwrap().radiance;
-            let fresh = settings.clone().with(|s| {
-                s.techniques.shadow_resolution = shadow_resolution;
-                s.techniques.shadow_sampling = shadow_sampling;
-            });
+            let fresh = settings.clone().with(|s| level.set(&mut s.techniques));
             let expected = render(&gpu, fresh, &scene, &map, &set, &camera, SIZE).radiance;
             let error = compare(&found, &expected, None).unwrap().relative_rmse;
             assert!(error < 1e-5, "{method} {level:?}: {error}");

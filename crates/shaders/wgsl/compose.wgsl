@@ -45,11 +45,13 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
     let base_weight = reflectance_matte_weight(surface.lobe, surface.interface_tint, sqrt(0.5 + 0.5 * n_dot_v));
     let n_environment = environment_direction(surface.n);
     let ambient_diffuse = max(sh_irradiance(view.residual_sh, n_environment), vec3f(0.0));
-    let environment_diffuse = composite(
-        full_irradiance(n_environment),
-        ambient_diffuse + sums.diffuse_unshadowed,
-        open * ambient_diffuse + sums.diffuse_shadowed,
-    );
+    let fit_diffuse = ambient_diffuse + sums.diffuse_unshadowed;
+    let omits_hidden = (view.flags & FLAG_OMITS_HIDDEN) != 0u;
+    var full_diffuse = fit_diffuse;
+    if !omits_hidden {
+        full_diffuse = full_irradiance(n_environment);
+    }
+    let environment_diffuse = composite(full_diffuse, fit_diffuse, open * ambient_diffuse + sums.diffuse_shadowed);
     let diffuse = base_weight * (environment_diffuse + sums.diffuse_near);
     var result = surface.emission + surface.diffuse_color / PI * diffuse;
     if has_lobe(surface.lobe) {
@@ -59,16 +61,17 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
         let reflected_environment = environment_direction(reflected);
         let level = prefiltered_level(alpha_from_roughness(roughness), f32(textureNumLevels(prefiltered_full) - 1u));
         let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
-        var full_specular: vec3f;
+        let fit_specular = ambient_specular + sums.specular_unshadowed;
+        var full_specular = fit_specular;
         let layer = cached_layer(surface.lobe);
-        if layer >= 0 {
+        if layer >= 0 && !omits_hidden {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
-        } else {
+        } else if !omits_hidden {
             full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
         }
         result += composite(
             full_specular,
-            ambient_specular + sums.specular_unshadowed,
+            fit_specular,
             open * ambient_specular + sums.specular_shadowed,
         ) + sums.specular_near;
     }

@@ -45,12 +45,6 @@ fn packed_sums(sums: LightSums) -> PackedSums {
     );
 }
 
-// Share of the irradiance so far that arrives.
-fn visibility_of(point: u32) -> f32 {
-    let diffuse = unpack_color_pair(diffuse_sums[point].xyz);
-    return luminance(diffuse.second) / max(luminance(diffuse.first), 1e-20);
-}
-
 fn load_sums(point: u32) -> LightSums {
     var sums: LightSums;
     let words = diffuse_sums[point];
@@ -72,4 +66,15 @@ fn load_sums(point: u32) -> LightSums {
         sums.specular_near = near.second / view.sum_scales.z;
     }
     return sums;
+}
+
+// Luminance so far, as irradiance that a white surface would reflect: what arrives (x), and what would without shadows (y), as far as
+// that is known.
+fn luminance_so_far(point: u32) -> vec2f {
+    let sums = load_sums(point);
+    let near = luminance(sums.diffuse_near + PI * sums.specular_near);
+    return vec2f(
+        luminance(sums.diffuse_shadowed + PI * sums.specular_shadowed) + near,
+        luminance(sums.diffuse_unshadowed + PI * sums.specular_unshadowed) + near,
+    );
 }

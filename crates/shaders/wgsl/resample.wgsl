@@ -7,7 +7,7 @@
 // Standard deviation of the Gaussian across the screen [tiles].
 const RESAMPLE_SIGMA: f32 = 0.5;
 // Standard deviation out of the receiver's plane [tiles].
-const RESAMPLE_SIGMA_HEIGHT: f32 = 0.2;
+const RESAMPLE_SIGMA_HEIGHT: f32 = 0.5;
 // Exponent of n . n' on a matte surface, and the most of all: narrower highlights take fewer samples, and blur shows the less.
 const RESAMPLE_NORMAL_POWER: f32 = 4.0;
 const RESAMPLE_MAX_NORMAL_POWER: f32 = 110.0;

@@ -265,23 +265,24 @@ fn refine_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocati
     refine_block(edge.corner + stage.block * vec2u(edge.part % blocks, edge.part / blocks), exists, true, local);
 }
 
-// Whether visibility of all light summed so far changes much among the points around a sample.
+// Whether light so far changes much among the points around a sample, for what it would be without shadows: at edges of shadows, and in
+// highlights.
 fn needs_more(sample: vec2u, depth: f32) -> bool {
     let position_world = position_at(sample, depth);
     let n = normal_at(sample);
     let normal_power = normal_power_at(sample);
-    var least = 1.0;
-    var most = 0.0;
+    var least = 1e30;
+    var most = vec2f(0.0);
     for (var i = 0; i < 9; i++) {
         let point = neighbour_point(stage.list, sample, i);
         if point != NO_POINT
             && point_weight(stage.list, points[point], sample, position_world, n, normal_power) > NEIGHBOUR_MIN_WEIGHT {
-            let visible = visibility_of(point);
-            least = min(least, visible);
-            most = max(most, visible);
+            let light = luminance_so_far(point);
+            least = min(least, light.x);
+            most = max(most, light);
         }
     }
-    return most - least > stage.contrast;
+    return most.x - least > stage.contrast * most.y;
 }
 
 @compute @workgroup_size(TILE, TILE)

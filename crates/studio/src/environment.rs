@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnomon_envmap::{Environment, Equirect, builtin, load};
-use gnomon_lights::LightSet;
+use glam::Quat;
 use gnomon_lights::fit::FitSettings;
+use gnomon_lights::{FitOptions, LightSet};
 use gnomon_renderer::{PreparedLighting, RenderSettings};
+use gnomon_scene::{Camera, Scene};
 use gnomon_scene_files::EnvironmentSource;
 
+use crate::studio::LightingKey;
 use crate::{Look, SceneSource, Stage, StudioError};
 
 /// What a name means: a built-in environment, or else a file. Whoever means a file called like a built-in one writes `./room`.
@@ -70,15 +73,51 @@ fn no_environment(name: &str, names: &str) -> StudioError {
     ))
 }
 
-/// Lights and ambient rest of an environment, for a scene that stands on a `ground` or does not.
+/// Lights and ambient rest of an environment, by a fit with these options.
 ///
 /// # Errors
 /// Unknown fit, option out of range.
-pub fn fit_lights(fit: &FitSettings, ground: bool, environment: &Equirect) -> Result<LightSet, StudioError> {
-    Ok(match fit.fit(ground)? {
+pub fn fit_lights(
+    fit: &FitSettings,
+    options: &FitOptions,
+    environment: &Equirect,
+) -> Result<LightSet, StudioError> {
+    Ok(match fit.fit_with(options)? {
         Some(fit) => fit.fit(environment)?,
         None => LightSet::new("none", Vec::new(), environment.clone()),
     })
+}
+
+/// What a fit may know of a scene.
+#[derive(Clone)]
+pub struct FitScene {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) camera: Option<Camera>,
+    /// Width over height of the picture.
+    pub(crate) aspect: f32,
+    pub(crate) world_from_environment: Quat,
+    /// Whether it stands on one.
+    pub(crate) ground: bool,
+}
+
+impl FitScene {
+    /// What a look's fit takes for the scene. In an interior rays find out what arrives (0.1 s).
+    ///
+    /// # Errors
+    /// As [`FitSettings::options`], and a scene that cannot be traced.
+    pub fn options(&self, fit: &FitSettings) -> Result<FitOptions, StudioError> {
+        let mut options = fit.options(self.ground)?;
+        if let Some(camera) = self.camera.as_ref().filter(|_| fit.heeds_arrival()) {
+            let arrival = gnomon_reference::interior_arrival(
+                &self.scene,
+                camera,
+                self.aspect,
+                self.world_from_environment,
+            )?;
+            options.arrival = arrival.map(Arc::new);
+        }
+        Ok(options)
+    }
 }
 
 /// An environment, or where to get it.
@@ -93,8 +132,7 @@ pub(crate) struct LightingRequest {
     pub map: MapSource,
     /// Environment, fit and the treatment of the ambient rest count.
     pub look: Look,
-    /// Whether the scene stands on one.
-    pub ground: bool,
+    pub scene: FitScene,
 }
 
 /// An environment ready for a renderer.
@@ -104,13 +142,12 @@ pub(crate) struct LightingResult {
     pub prepared: PreparedLighting,
     pub warnings: Vec<String>,
     /// What it was made for.
-    pub look: Look,
-    pub ground: bool,
+    pub lit_for: LightingKey,
 }
 
 /// Reads where that is needed, fits and filters.
 pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, StudioError> {
-    let LightingRequest { map, look, ground } = request;
+    let LightingRequest { map, look, scene } = request;
     let (map, warnings) = match map {
         MapSource::Loaded(map) => (map, Vec::new()),
         MapSource::Unread(source) => {
@@ -118,14 +155,16 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
             (Arc::new(map), warnings)
         }
     };
-    let lights = fit_lights(&look.fit, ground, &map)?;
+    let options = scene.options(&look.fit)?;
+    let lights = fit_lights(&look.fit, &options, &map)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
     let prepared = PreparedLighting::new(&map, &lights, &settings)?;
-    Ok(LightingResult { map, lights, prepared, warnings, look, ground })
+    let lit_for = LightingKey::of(&look, scene.ground, options.arrival.is_some());
+    Ok(LightingResult { map, lights, prepared, warnings, lit_for })
 }
 
 /// The lighting of a stage.
 pub(crate) fn work_out_stage(stage: &Stage) -> Result<LightingResult, StudioError> {
     let map = MapSource::Loaded(Arc::clone(stage.environment()));
-    work_out(LightingRequest { map, look: stage.look().clone(), ground: stage.stands_on_ground() })
+    work_out(LightingRequest { map, look: stage.look().clone(), scene: stage.fit_scene() })
 }

@@ -34,7 +34,7 @@ mod stage;
 mod studio;
 
 pub use converging::ReferencePicture;
-pub use environment::{environment_named, fit_lights, load_environment};
+pub use environment::{FitScene, environment_named, fit_lights, load_environment};
 pub use error::StudioError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use executor::Threads;

@@ -4,11 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_lights::FitOptions;
 use gnomon_options::Options;
 use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
-use crate::environment::environment_of;
+use crate::environment::{FitScene, environment_of};
 use crate::look::{AnimationLook, CameraLook};
 use crate::pose::{pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
@@ -170,12 +169,15 @@ impl Stage {
         self.stands_on_ground
     }
 
-    /// What the look's fit takes for this scene.
-    ///
-    /// # Errors
-    /// As [`gnomon_lights::fit::FitSettings::options`].
-    pub fn fit_options(&self) -> Result<FitOptions, StudioError> {
-        Ok(self.look.fit.options(self.stands_on_ground)?)
+    /// What a fit may know of the scene: as it is posed, seen and lit now.
+    pub fn fit_scene(&self) -> FitScene {
+        FitScene {
+            scene: Arc::clone(&self.scene),
+            camera: self.camera().ok(),
+            aspect: self.look.picture.aspect(),
+            world_from_environment: self.world_from_environment(),
+            ground: self.stands_on_ground,
+        }
     }
 
     /// The environment as it is drawn, but for its turn.

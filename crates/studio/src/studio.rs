@@ -58,20 +58,23 @@ pub struct Studio {
 
 /// What the lights of an environment depend on.
 #[derive(Clone, Debug, PartialEq)]
-struct LightingKey {
+pub(crate) struct LightingKey {
     map: Option<EnvironmentSource>,
     projection: Option<Projection>,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
+    /// The environment's turn, where they were made for what arrives in an interior.
+    interior_turn: Option<f32>,
     lighting: LightingSettings,
 }
 
 impl LightingKey {
-    fn of(look: &Look, ground: bool) -> Self {
+    pub fn of(look: &Look, ground: bool, is_interior: bool) -> Self {
         Self {
             map: look.map.clone(),
-            // Turning needs no new lights.
+            // Else turning needs no new lights.
+            interior_turn: is_interior.then_some(look.environment.rotation),
             projection: look.environment.projection,
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
@@ -119,10 +122,10 @@ impl Studio {
     /// # Errors
     /// As [`Studio::new`].
     pub fn with_executor(gpu: &Gpu, stage: Stage, executor: Arc<dyn Executor>) -> Result<Self, StudioError> {
-        let LightingResult { lights, prepared, .. } = work_out_stage(&stage)?;
+        let LightingResult { lights, prepared, lit_for, .. } = work_out_stage(&stage)?;
         Ok(Self {
             renderer: renderer_of(gpu, &stage, prepared)?,
-            lit_for: LightingKey::of(stage.look(), stage.stands_on_ground()),
+            lit_for,
             stage,
             lights: Arc::new(lights),
             lighting: Job::new("light fitting", work_out, Arc::clone(&executor)),
@@ -206,7 +209,8 @@ impl Studio {
     }
 
     fn wanted_lighting(&self) -> LightingKey {
-        LightingKey::of(self.look(), self.stage.stands_on_ground())
+        let is_interior = self.lit_for.interior_turn.is_some();
+        LightingKey::of(self.look(), self.stage.stands_on_ground(), is_interior)
     }
 
     /// What the renderer takes over of a stage but for its scene and its lights.

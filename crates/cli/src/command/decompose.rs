@@ -65,7 +65,7 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");
     let environment = load_environment(&args.environment, &args.look.given, terminal)?;
-    let lights = studio::fit_lights(&asked, args.above_ground, &environment)?;
+    let lights = studio::fit_lights(&asked, &asked.options(args.above_ground)?, &environment)?;
     drop(spinner);
     if let Some(path) = &args.residual {
         gnomon::picture::write(path, lights.residual.radiance())?;

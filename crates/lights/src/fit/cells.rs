@@ -59,6 +59,8 @@ pub(super) struct Part {
     pub(super) min: DVec2,
     pub(super) max: DVec2,
     pub(super) flux: DVec3,
+    /// Of the cell.
+    pub(super) rect: TexelRect,
 }
 
 impl Part {
@@ -85,7 +87,7 @@ pub(super) fn divided(faces: &Faces, options: &FitOptions) -> Vec<Part> {
         })
     };
     let mut open: BinaryHeap<Cell> =
-        first_cells(count, ground).into_iter().filter_map(|(face, rect)| planned(face, rect)).collect();
+        first_cells(count, ground, options.arrival.is_some()).into_iter().filter_map(|(face, rect)| planned(face, rect)).collect();
     let mut done = Vec::new();
     while let Some(cell) = open.pop() {
         if done.len() + open.len() + 1 >= count && cell.cost.is_finite() {
@@ -102,7 +104,7 @@ pub(super) fn divided(faces: &Faces, options: &FitOptions) -> Vec<Part> {
     done.extend(open);
     let part = |&Cell { face, rect, .. }: &Cell| {
         let (min, max) = tables[face].matched(rect);
-        Part { face, min, max, flux: faces.rect_flux(face, rect) }
+        Part { face, min, max, flux: faces.rect_flux(face, rect), rect }
     };
     done.iter().map(part).collect()
 }
@@ -126,8 +128,9 @@ fn is_below_horizon(face: usize, rect: TexelRect) -> bool {
 }
 
 /// What the division starts from, and which face it is on.
-fn first_cells(count: usize, ground: bool) -> Vec<(usize, TexelRect)> {
-    let parts = if count < QUARTERS_FROM { 1 } else { 2 };
+fn first_cells(count: usize, ground: bool, is_interior: bool) -> Vec<(usize, TexelRect)> {
+    // What does not arrive in an interior may be as wide as it likes.
+    let parts = if count < QUARTERS_FROM || is_interior { 1 } else { 2 };
     let divided = |face: usize, whole: TexelRect, [columns, rows]: [usize; 2]| {
         let edge = |axis: usize, part: usize, parts: usize| {
             whole.min[axis] + part * (whole.max[axis] - whole.min[axis]) / parts

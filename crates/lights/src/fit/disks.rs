@@ -140,6 +140,7 @@ impl LightFit for Disks {
             parameters: self.parameters(),
             lights,
             residual: Equirect::new(residual),
+            omits_hidden: false,
         })
     }
 }

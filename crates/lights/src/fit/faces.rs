@@ -29,6 +29,11 @@ pub(super) struct Moments {
 }
 
 impl Moments {
+    /// With so much of the light.
+    pub(super) fn lit(&self, weight: f64) -> Self {
+        Self { light: self.light.map(|moment| weight * moment), area: self.area }
+    }
+
     /// `a self + b other`.
     pub(super) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         Self {

@@ -2,6 +2,7 @@
 //!
 //! A new fit is one file here that implements [`LightFit`], and one line in [`methods`].
 
+mod arrival;
 mod cells;
 mod disks;
 mod edge_error;
@@ -19,6 +20,7 @@ mod sphere_grid;
 use gnomon_envmap::Equirect;
 use serde_json::{Map, Value};
 
+pub use arrival::Arrival;
 pub use cells::cells;
 pub use disks::Disks;
 pub use error::FitError;
@@ -40,6 +42,11 @@ pub trait LightFit: Send + Sync {
 
     /// Whether the lights are others for a scene that stands on a ground, as this fit's options have it.
     fn heeds_ground(&self) -> bool {
+        false
+    }
+
+    /// Whether they are others for an interior ([`FitOptions::arrival`]).
+    fn heeds_arrival(&self) -> bool {
         false
     }
 

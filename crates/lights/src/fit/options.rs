@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use serde_json::{Map, Value, json};
 
 use super::rectangles::LEAST_EXTENT;
-use super::{FitError, Sampler};
+use super::{Arrival, FitError, Sampler};
 
 /// Fewest lights that can cover the sphere: one a cube face.
 const LEAST_COUNT: usize = 6;
@@ -10,7 +12,7 @@ const LEAST_COUNT: usize = 6;
 pub const MAX_LIGHTS: usize = 4096;
 
 /// What can be asked of any fit. Each has its own defaults; `light_count` and `threshold` exclude each other.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FitOptions {
     /// Number of lights, 1 to [`MAX_LIGHTS`].
     pub light_count: Option<usize>,
@@ -25,6 +27,8 @@ pub struct FitOptions {
     /// The scene stands on a ground, so that little light arrives from below the horizon (-y). Partitions, optimized or
     /// not, then start with few lights there if they have fewer than 48; other fits take lights where there is light.
     pub ground: bool,
+    /// What arrives of the light of every direction, for an interior: partitions, optimized or not, refine it and merge the rest.
+    pub arrival: Option<Arc<Arrival>>,
 }
 
 /// Where a fit stops that has a threshold.
@@ -92,12 +96,12 @@ mod tests {
     fn what_makes_no_sense_is_refused() {
         let refused = |options: FitOptions| options.validate().is_err();
         let none = FitOptions::default();
-        assert!(!refused(none));
-        assert!(refused(FitOptions { light_count: Some(3), threshold: Some(0.5), ..none }));
-        assert!(refused(FitOptions { light_count: Some(0), ..none }));
-        assert!(refused(FitOptions { light_count: Some(MAX_LIGHTS + 1), ..none }));
+        assert!(!refused(none.clone()));
+        assert!(refused(FitOptions { light_count: Some(3), threshold: Some(0.5), ..none.clone() }));
+        assert!(refused(FitOptions { light_count: Some(0), ..none.clone() }));
+        assert!(refused(FitOptions { light_count: Some(MAX_LIGHTS + 1), ..none.clone() }));
         for t in [0.0, 1.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(refused(FitOptions { threshold: Some(t), ..none }), "{t}");
+            assert!(refused(FitOptions { threshold: Some(t), ..none.clone() }), "{t}");
         }
     }
 }

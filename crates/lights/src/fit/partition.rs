@@ -8,7 +8,7 @@ use super::error::check_map;
 use super::faces::{Faces, luminance};
 use super::optimized::{MOST_LIGHTS, STEPS, WIDTH_WEIGHT, optimized};
 use super::{FitError, FitOptions, LightFit};
-use crate::LightSet;
+use crate::{DistantLight, LightSet};
 
 pub(super) const SUMMARY: &str =
     "rectangles that divide the whole map, each with the centre and spread of its part's light";
@@ -17,6 +17,9 @@ pub(super) const SUMMARY_OPTIMIZED: &str =
 
 /// Number of optimised lights unless told otherwise: pictures are as right as with [`LIGHT_COUNT`] of a partition.
 const OPTIMIZED_COUNT: usize = 48;
+
+/// The same in an interior: most lights are for what comes in.
+const INTERIOR_COUNT: usize = 64;
 
 /// Uniform rectangles that hold all of the map's flux, strongest first: the residual is black. See [`cells`](super::cells()).
 ///
@@ -55,9 +58,13 @@ impl Partition {
 
     fn checked(options: &FitOptions, is_optimized: bool) -> Result<Self, FitError> {
         check(name(is_optimized), options)?;
-        let light_count =
-            options.light_count.or(Some(if is_optimized { OPTIMIZED_COUNT } else { LIGHT_COUNT }));
-        let options = FitOptions { light_count, ground: heeds_ground(options), ..*options };
+        let usual = match (is_optimized, &options.arrival) {
+            (true, None) => OPTIMIZED_COUNT,
+            (true, Some(_)) => INTERIOR_COUNT,
+            (false, _) => LIGHT_COUNT,
+        };
+        let light_count = options.light_count.or(Some(usual));
+        let options = FitOptions { light_count, ground: heeds_ground(options), ..options.clone() };
         Ok(Self { options, is_optimized })
     }
 }
@@ -77,6 +84,7 @@ impl LightFit for Partition {
         parameters.insert("face_size".into(), json!(FACE_SIZE));
         parameters.insert("max_extent".into(), json!(self.options.max_extent));
         parameters.insert("ground".into(), json!(self.options.ground));
+        parameters.insert("interior".into(), json!(self.options.arrival.is_some()));
         parameters
     }
 
@@ -84,22 +92,44 @@ impl LightFit for Partition {
         self.options.ground
     }
 
+    fn heeds_arrival(&self) -> bool {
+        true
+    }
+
     fn fit(&self, map: &Equirect) -> Result<LightSet, FitError> {
         check_map(map)?;
-        let faces = Faces::new(map, FACE_SIZE);
-        let parts = divided(&faces, &self.options);
+        let whole = Faces::new(map, FACE_SIZE);
+        let arriving = self.options.arrival.as_ref().map(|arrival| arrival.weighted(&whole));
+        let faces = arriving.as_ref().unwrap_or(&whole);
+        let parts = divided(faces, &self.options);
         let mut parameters = self.parameters();
         let steps = if (1..=MOST_LIGHTS).contains(&parts.len()) { STEPS } else { 0 };
         if self.is_optimized {
             parameters.insert("steps".into(), json!(steps));
         }
-        let mut lights = if self.is_optimized && steps > 0 {
+        let mut lights: Vec<DistantLight> = if self.is_optimized && steps > 0 {
             let max_extent = self.options.max_extent.map_or(FRAC_PI_2, f64::from).min(FRAC_PI_2);
-            optimized(&faces, &parts, (0.5 * max_extent).tan(), WIDTH_WEIGHT)
+            optimized(faces, &parts, (0.5 * max_extent).tan(), WIDTH_WEIGHT)
         } else {
             parts.iter().map(Part::light).collect()
         };
+        if let (Some(arriving), Some(arrival)) = (&arriving, &self.options.arrival) {
+            restore_flux(&mut lights, &parts, arriving, &arrival.weighted(arriving));
+        }
         lights.sort_by(|a, b| luminance(b.flux()).total_cmp(&luminance(a.flux())));
-        Ok(LightSet::without_residual(self.name(), parameters, lights, map))
+        let set = LightSet::without_residual(self.name(), parameters, lights, map);
+        Ok(LightSet { omits_hidden: arriving.is_some(), ..set })
+    }
+}
+
+/// Gives lights that were fitted to what arrives of a map, once weighted, the flux that they stand for: that without the weight where
+/// their weighted flux comes from. `twice` is weighted by the same once more, so that their ratio is the mean weight.
+fn restore_flux(lights: &mut [DistantLight], parts: &[Part], once: &Faces, twice: &Faces) {
+    for (light, part) in lights.iter_mut().zip(parts) {
+        let flux = |faces: &Faces| luminance(faces.rect_flux(part.face, part.rect));
+        let mean_weight = flux(twice) / flux(once).max(f64::MIN_POSITIVE);
+        if mean_weight > 0.0 {
+            light.radiance = (light.radiance.as_dvec3() / mean_weight).as_vec3();
+        }
     }
 }

@@ -42,8 +42,15 @@ impl FitSettings {
     /// # Errors
     /// An option that cannot be what it is, or that the method does not have.
     pub fn fit(&self, ground: bool) -> Result<Option<Box<dyn LightFit>>, FitError> {
-        let options = self.options(ground)?;
-        if self.method == "none" { Ok(None) } else { by_name(&self.method, &options).map(Some) }
+        self.fit_with(&self.options(ground)?)
+    }
+
+    /// The same with [`FitSettings::options`] that say more of a scene.
+    ///
+    /// # Errors
+    /// As [`FitSettings::fit`].
+    pub fn fit_with(&self, options: &FitOptions) -> Result<Option<Box<dyn LightFit>>, FitError> {
+        if self.method == "none" { Ok(None) } else { by_name(&self.method, options).map(Some) }
     }
 
     /// What the fits take, for a scene that stands on a ground or does not.
@@ -59,11 +66,17 @@ impl FitSettings {
             sampler: self.sampler.as_deref().map(sampler_by_name).transpose()?,
             seed: self.seed,
             ground,
+            arrival: None,
         })
     }
 
     /// Whether a scene that stands on a ground gets other lights for it.
     pub fn heeds_ground(&self) -> bool {
         matches!(self.fit(true), Ok(Some(fit)) if fit.heeds_ground())
+    }
+
+    /// Whether an interior gets other lights for what arrives in it.
+    pub fn heeds_arrival(&self) -> bool {
+        matches!(self.fit(false), Ok(Some(fit)) if fit.heeds_arrival())
     }
 }

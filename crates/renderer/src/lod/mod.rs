@@ -35,10 +35,9 @@ impl LevelOfDetail {
         }
     }
 
-    /// Takes all but the number of lights over. Sharp lights keep the ratio of their sampling to that of the others.
+    /// Takes all but the number of lights over. Sharp lights are summed at tiles half as wide.
     pub fn set(&self, techniques: &mut TechniqueSettings) {
-        let sharp = self.shadow_sampling * techniques.sharp_shadow_sampling / techniques.shadow_sampling;
-        techniques.sharp_shadow_sampling = sharp.clamp(1, 32);
+        techniques.sharp_shadow_sampling = (self.shadow_sampling / 2).max(1);
         techniques.shadow_resolution = self.shadow_resolution;
         techniques.shadow_sampling = self.shadow_sampling;
     }

@@ -134,6 +134,7 @@ mod tests {
         // With 1 MiB for maps, batches of lights take turns.
         for (sampling, shadows, memory) in [(1, "pcss", 64), (2, "convolution", 64), (4, "pcss", 1)] {
             let settings = RenderSettings::default().with(|s| {
+                s.techniques.supersample = 2;
                 s.techniques.shadow_sampling = sampling;
                 s.techniques.shadows = shadows.to_owned();
                 s.techniques.shadow_memory = memory;
@@ -159,8 +160,8 @@ mod tests {
             // An edge may fall on the other side of a sample's centre.
             let found = differences(4);
             assert!(found <= 4, "{sampling}: {found}");
-            // Without overlap seams are seen.
-            assert!(sampling == 1 || differences(0) > 20, "{sampling}");
+            // Without overlap seams are seen where tiles are larger than pixels.
+            assert!(sampling <= 2 || differences(0) > 20, "{sampling}");
         }
     }
 }

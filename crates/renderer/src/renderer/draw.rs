@@ -265,7 +265,8 @@ impl Renderer {
             flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
                 | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
-                | flag(plan.planes.near, layout::FLAG_NEAR_SUMS),
+                | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
+                | flag(lit.lighting.omits_hidden, layout::FLAG_OMITS_HIDDEN),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
             interleave,

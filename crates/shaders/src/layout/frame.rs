@@ -25,6 +25,8 @@ super::constants! {
     pub const FLAG_SPECULAR_SUMS: u32 = 4;
     /// [`View::flags`]: sums of the light of the scene's own lights are kept.
     pub const FLAG_NEAR_SUMS: u32 = 8;
+    /// [`View::flags`]: the lights leave out what arrives nowhere, so that unshadowed light is theirs and not the whole environment's.
+    pub const FLAG_OMITS_HIDDEN: u32 = 16;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;

@@ -35,7 +35,7 @@ impl SceneRequest {
         let project = Project::open_source(self.source, self.look, &Given::default())?;
         // The files that two programs give may be others of one name.
         let is_given = self.was_given || matches!(project.source, SceneSource::Files(_));
-        let is_same = self.lit_for.same_map(&LightingKey::of(&project.look, false));
+        let is_same = self.lit_for.same_map(&LightingKey::of(&project.look, false, false));
         let stage = match is_same && !(is_given && project.brings_environment) {
             true => Stage::under(project, self.environment, Vec::new())?,
             false => Stage::new(project)?,
@@ -119,7 +119,7 @@ impl Studio {
         let mut look = self.look().clone();
         self.lit_for.restore(&mut look);
         let map = MapSource::Loaded(Arc::clone(self.stage.environment()));
-        Ok(work_out(LightingRequest { map, look, ground: self.lit_for.ground })?.prepared)
+        Ok(work_out(LightingRequest { map, look, scene: self.stage.fit_scene() })?.prepared)
     }
 
     pub(super) fn request_lighting(&mut self) {
@@ -130,8 +130,8 @@ impl Studio {
     }
 
     fn request_lighting_by(&mut self, map: MapSource) {
-        let (look, ground) = (self.look().clone(), self.stage.stands_on_ground());
-        self.lighting.request(LightingRequest { map, look, ground });
+        let (look, scene) = (self.look().clone(), self.stage.fit_scene());
+        self.lighting.request(LightingRequest { map, look, scene });
     }
 
     fn take_lighting(&mut self, worked_out: Result<LightingResult, StudioError>) -> Update {
@@ -145,13 +145,13 @@ impl Studio {
     }
 
     fn light_up(&mut self, result: LightingResult) -> Result<(), StudioError> {
-        let LightingResult { map, lights, prepared, warnings, look, ground } = result;
+        let LightingResult { map, lights, prepared, warnings, lit_for } = result;
         let mut stage = self.stage.clone();
         // The suitable exposure is that of the environment that is seen now.
         stage.set_environment(map, warnings);
         let lighting = Some(LightingChange::Prepared(Box::new(prepared)));
         self.renderer.change(Change { lighting, ..self.change_to(&stage) })?;
-        self.lit_for = LightingKey::of(&look, ground);
+        self.lit_for = lit_for;
         self.lights = Arc::new(lights);
         self.stage = stage;
         Ok(())
@@ -174,7 +174,7 @@ impl Studio {
     fn show(&mut self, loaded: LoadedStage) -> Result<(), StudioError> {
         let LoadedStage {
             stage,
-            lighting: LightingResult { lights, prepared, look: lit_for, ground, .. },
+            lighting: LightingResult { lights, prepared, lit_for, .. },
             asked,
         } = loaded;
         let mut look = stage.look().clone();
@@ -186,7 +186,7 @@ impl Studio {
             ..self.change_to(&stage)
         })?;
         self.stage = stage;
-        self.lit_for = LightingKey::of(&lit_for, ground);
+        self.lit_for = lit_for;
         self.lights = Arc::new(lights);
         // Lights that are being fitted are those of the scene before.
         self.lighting.forget();
