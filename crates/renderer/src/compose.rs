@@ -5,6 +5,7 @@ use crate::composite::Compositing;
 use crate::lighting::Lighting;
 use crate::radiance_cache::RadianceCache;
 use crate::recorder::Recorder;
+use crate::shading_points::ShadingPoints;
 use crate::{Gpu, RenderError};
 
 pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -12,8 +13,7 @@ pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgb
 /// Makes radiance of the sums of light, with one compositing rule.
 pub(crate) struct ComposePass {
     environment_layout: wgpu::BindGroupLayout,
-    smooth: wgpu::ComputePipeline,
-    edges: wgpu::ComputePipeline,
+    pipeline: wgpu::ComputePipeline,
 }
 
 impl ComposePass {
@@ -35,8 +35,8 @@ impl ComposePass {
             (layout::GROUP_SURFACE, gbuffer_layout),
             (layout::GROUP_PASS, sums_layout),
         ];
-        let pipeline = |entry| gpu.compute_pipeline(&module, entry, &groups);
-        Ok(Self { smooth: pipeline("compose_smooth"), edges: pipeline("compose_edges"), environment_layout })
+        let pipeline = gpu.compute_pipeline(&module, "compose", &groups);
+        Ok(Self { environment_layout, pipeline })
     }
 
     /// Bind group of the frame.
@@ -63,19 +63,22 @@ impl ComposePass {
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 
-    /// A picture of `width` x `height` pixels; `work` is the account of shading points.
+    /// A picture of `width` x `height` pixels; `groups` are those of frame and surface.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
-        groups: [(u32, &wgpu::BindGroup); 3],
+        [frame, surface]: [&wgpu::BindGroup; 2],
         [width, height]: [u32; 2],
-        work: &wgpu::Buffer,
+        points: &ShadingPoints,
     ) {
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.smooth);
+        pass.set_pipeline(&self.pipeline);
+        let [smooth, edges] = &points.compose_groups;
+        let groups =
+            [(layout::GROUP_FRAME, frame), (layout::GROUP_SURFACE, surface), (layout::GROUP_PASS, smooth)];
         set_groups(&mut pass, &groups);
         pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
-        pass.set_pipeline(&self.edges);
-        pass.dispatch_workgroups_indirect(work, 4 * u64::from(layout::WORK_EDGE_DISPATCH));
+        pass.set_bind_group(layout::GROUP_PASS, edges, &[]);
+        pass.dispatch_workgroups_indirect(&points.work, 4 * u64::from(layout::WORK_EDGE_DISPATCH));
     }
 }

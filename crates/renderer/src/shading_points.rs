@@ -9,14 +9,15 @@ use crate::{Gpu, RenderError, TechniqueSettings};
 /// point stands for a tile of samples; samples unlike the points around them have their own. Points are listed in stages.
 pub(crate) struct ShadingPoints {
     pub stages: Vec<PointStage>,
-    /// Own bind group of the passes that make a picture of the sums.
-    pub compose_group: wgpu::BindGroup,
+    /// Own bind groups of the passes that make a picture of the sums: over all pixels, and over edge pixels.
+    pub compose_groups: [wgpu::BindGroup; 2],
     /// Account of points: arguments of indirect dispatches, edge pixels.
     pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
     pub list: wgpu::Buffer,
-    /// Arguments of a dispatch over edge pixels that passes may take which write to `work`.
+    /// Arguments of dispatches over edge pixels and over the points of a stage, for passes that write to `work`.
     edge_dispatch: wgpu::Buffer,
+    stage_dispatch: wgpu::Buffer,
     /// How many there is room for.
     pub capacity: u64,
     /// What it was made for.
@@ -33,8 +34,8 @@ pub(crate) struct PointStage {
     pub light_group: wgpu::BindGroup,
     /// Place in [`ShadingPoints::work`] of the arguments of a dispatch over these points.
     pub dispatch_offset: u64,
-    /// Bind group of the passes that list points.
-    list_group: wgpu::BindGroup,
+    /// Bind groups of the passes that list points: over the picture, and over edge pixels.
+    list_groups: [wgpu::BindGroup; 2],
     kind: StageKind,
 }
 
@@ -56,9 +57,8 @@ pub(crate) struct ShadingPointsPass {
     edge_dispatch: wgpu::ComputePipeline,
     choose: wgpu::ComputePipeline,
     refine: wgpu::ComputePipeline,
-    refine_edges: wgpu::ComputePipeline,
     refine_lit: wgpu::ComputePipeline,
-    refine_lit_edges: wgpu::ComputePipeline,
+    inherit: wgpu::ComputePipeline,
     end_stage: wgpu::ComputePipeline,
 }
 
@@ -185,6 +185,7 @@ impl PointPlan {
                     stage: (2 * list + i) as u32,
                     block: self.block(kind, is_coarse),
                     contrast: self.contrast,
+                    over_edges: 0,
                 };
                 (kind, stage)
             })
@@ -233,14 +234,16 @@ impl ShadingPointsPass {
                 "sums of light",
                 &[read, read, written, written, written, Binding::Uniform],
             ),
-            compose_layout: numbered("sums to compose", &[read, read, read, read, read, read, read, picture]),
+            compose_layout: numbered(
+                "sums to compose",
+                &[read, read, read, read, read, read, read, picture, Binding::Uniform],
+            ),
             find_edges: pipeline("find_edges"),
             edge_dispatch: pipeline("edge_dispatch"),
             choose: pipeline("choose"),
             refine: pipeline("refine"),
-            refine_edges: pipeline("refine_edges"),
             refine_lit: pipeline("refine_lit"),
-            refine_lit_edges: pipeline("refine_lit_edges"),
+            inherit: pipeline("inherit"),
             end_stage: pipeline("end_stage"),
             list_layout,
         })
@@ -278,6 +281,7 @@ impl ShadingPointsPass {
         );
         let arguments = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::INDIRECT;
         let edge_dispatch = gpu.empty_buffer("edge dispatch", 16, arguments);
+        let stage_dispatch = gpu.empty_buffer("stage dispatch", 16, arguments);
         let point_of_tile = gpu.empty_buffer("points of tiles", 4 * plan.all_tiles(), storage);
         let own = if plan.has_own_points() { plan.samples() } else { 1 };
         let point_of_sample = gpu.empty_buffer("points of samples", 4 * own, storage);
@@ -287,37 +291,46 @@ impl ShadingPointsPass {
         let diffuse = plane("sums of diffuse light", true, DIFFUSE_BYTES);
         let specular = plane("sums of specular light", plan.planes.specular, SPECULAR_BYTES);
         let near = plane("sums of near light", plan.planes.near, NEAR_BYTES);
-        let group = |label, layout, buffers: &[&wgpu::Buffer], written: Option<&wgpu::TextureView>| {
+        let group = |label, layout, buffers: &[&wgpu::Buffer]| {
             let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
-            let written = written.map(wgpu::BindingResource::TextureView);
-            gpu.bind_group(label, layout, &(0..).zip(buffers.chain(written)).collect::<Vec<_>>())
+            gpu.bind_group(label, layout, &(0..).zip(buffers).collect::<Vec<_>>())
         };
         let stages = plan.stages().map(|(kind, stage)| {
-            let uniform = gpu.shared_buffer("stage", &stage, wgpu::BufferUsages::UNIFORM);
-            let (list_buffers, light_buffers) = (
-                [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near, &uniform],
-                [&points, &work, &diffuse, &specular, &near, &uniform],
-            );
+            let uniforms = [0, 1].map(|over_edges| {
+                let stage = layout::PointStage { over_edges, ..stage };
+                gpu.shared_buffer("stage", &stage, wgpu::BufferUsages::UNIFORM)
+            });
+            let list_group = |uniform| {
+                let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
+                group("shading points", &self.list_layout, &[&buffers[..], &[uniform]].concat())
+            };
+            let light_buffers = [&points, &work, &diffuse, &specular, &near, &uniforms[0]];
             PointStage {
                 list: stage.list as usize,
-                list_group: group("shading points", &self.list_layout, &list_buffers, None),
-                light_group: group("sums of light", &self.light_layout, &light_buffers, None),
+                list_groups: [list_group(&uniforms[0]), list_group(&uniforms[1])],
+                light_group: group("sums of light", &self.light_layout, &light_buffers),
                 dispatch_offset: 4 * u64::from(layout::WORK_STAGES + layout::WORK_STAGE * stage.stage),
                 kind,
-                uniform,
+                uniform: uniforms[0].clone(),
             }
         });
+        let stages = stages.collect();
+        let compose_groups = [0, 1].map(|over_edges: u32| {
+            let uniform = wgpu::BufferUsages::UNIFORM;
+            let over_edges = gpu.buffer_with("over edges", bytemuck::bytes_of(&[over_edges, 0, 0, 0]), uniform);
+            let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
+            let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
+            resources.push((7, wgpu::BindingResource::TextureView(radiance)));
+            resources.push((8, over_edges.as_entire_binding()));
+            gpu.bind_group("sums to compose", &self.compose_layout, &resources)
+        });
         Ok(ShadingPoints {
-            stages: stages.collect(),
-            compose_group: group(
-                "sums to compose",
-                &self.compose_layout,
-                &[&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near],
-                Some(radiance),
-            ),
+            stages,
+            compose_groups,
             list: points,
             work,
             edge_dispatch,
+            stage_dispatch,
             capacity,
             plan,
         })
@@ -333,32 +346,29 @@ impl ShadingPointsPass {
         gbuffer_group: &wgpu::BindGroup,
     ) {
         let plan = &points.plan;
-        let groups = [
-            (layout::GROUP_FRAME, view_group),
-            (layout::GROUP_SURFACE, gbuffer_group),
-            (layout::GROUP_PASS, &stage.list_group),
-        ];
+        if stage.list == 0 && stage.lists_tiles() {
+            recorder.encoder.clear_buffer(&points.work, 0, Some(4 * u64::from(layout::WORK_PIXELS)));
+        }
+        let mut pass = self.begin(recorder, [view_group, gbuffer_group], stage);
         let dispatch = |pass: &mut wgpu::ComputePass<'_>, pipeline, side: u32| {
             let [columns, rows] = plan.sample_size.map(|samples| samples.div_ceil(side));
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups(columns.div_ceil(layout::TILE), rows.div_ceil(layout::TILE), 1);
         };
         if stage.list == 0 && stage.lists_tiles() {
-            recorder.encoder.clear_buffer(&points.work, 0, Some(4 * u64::from(layout::WORK_PIXELS)));
-            let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-            set_groups(&mut pass, &groups);
             dispatch(&mut pass, &self.find_edges, plan.supersample);
             pass.set_pipeline(&self.edge_dispatch);
             pass.dispatch_workgroups(1, 1, 1);
             drop(pass);
             let place = 4 * u64::from(layout::WORK_EDGE_DISPATCH);
             recorder.encoder.copy_buffer_to_buffer(&points.work, place, &points.edge_dispatch, 0, 16);
+            pass = self.begin(recorder, [view_group, gbuffer_group], stage);
         }
-        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
-        set_groups(&mut pass, &groups);
         let over_edges = |pass: &mut wgpu::ComputePass<'_>, pipeline| {
             pass.set_pipeline(pipeline);
+            pass.set_bind_group(layout::GROUP_PASS, &stage.list_groups[1], &[]);
             pass.dispatch_workgroups_indirect(&points.edge_dispatch, 0);
+            pass.set_bind_group(layout::GROUP_PASS, &stage.list_groups[0], &[]);
         };
         let sampling = plan.samplings[stage.list];
         match stage.kind {
@@ -368,17 +378,41 @@ impl ShadingPointsPass {
                     let is_coarse = stage.list + 1 < plan.samplings.len();
                     dispatch(&mut pass, &self.refine, plan.block(stage.kind, is_coarse));
                 } else if sampling > 1 {
-                    over_edges(&mut pass, &self.refine_edges);
+                    over_edges(&mut pass, &self.refine);
                 }
             }
             StageKind::Lit if sampling > 1 && plan.contrast < 1.0 => {
                 dispatch(&mut pass, &self.refine_lit, plan.supersample);
-                over_edges(&mut pass, &self.refine_lit_edges);
+                over_edges(&mut pass, &self.refine_lit);
             }
             StageKind::Lit => {}
         }
         pass.set_pipeline(&self.end_stage);
         pass.dispatch_workgroups(1, 1, 1);
+        if stage.list > 0 {
+            drop(pass);
+            let (work, place) = (&points.work, stage.dispatch_offset);
+            recorder.encoder.copy_buffer_to_buffer(work, place, &points.stage_dispatch, 0, 16);
+            pass = self.begin(recorder, [view_group, gbuffer_group], stage);
+            pass.set_pipeline(&self.inherit);
+            pass.dispatch_workgroups_indirect(&points.stage_dispatch, 0);
+        }
+    }
+
+    fn begin<'a>(
+        &self,
+        recorder: &'a mut Recorder<'_>,
+        [view_group, gbuffer_group]: [&wgpu::BindGroup; 2],
+        stage: &PointStage,
+    ) -> wgpu::ComputePass<'a> {
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        let groups = [
+            (layout::GROUP_FRAME, view_group),
+            (layout::GROUP_SURFACE, gbuffer_group),
+            (layout::GROUP_PASS, &stage.list_groups[0]),
+        ];
+        set_groups(&mut pass, &groups);
+        pass
     }
 }
 

@@ -160,6 +160,7 @@ fn goldens() {
         let settings = RenderSettings::default().with(|s| {
             s.techniques.shadows = "convolution".to_owned();
             s.techniques.compositing = compositing.to_owned();
+            s.techniques.supersample = 2;
             s.techniques.shadow_sampling = 1;
         });
         let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], [96, 72]);

@@ -10,6 +10,7 @@
 // smooth surface is composed once, others sample by sample.
 
 @group(GROUP_PASS) @binding(7) var radiance: texture_storage_2d<rgba32float, write>;
+@group(GROUP_PASS) @binding(8) var<uniform> over_edges: u32;
 
 // Irradiance of the whole environment on a normal in its frame, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {
@@ -78,86 +79,78 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
     return result;
 }
 
-fn edge_word(pixel: u32) -> u32 {
-    return work[WORK_PIXELS + pixel];
-}
-
-// The sums of a sample of such a pixel. A tile that lies within the pixel needs no neighbours: they would only blur it.
-fn smooth_sums(sample: vec2u, own_of_pixel: u32, surface: Surface) -> LightSums {
+// The sums of a sample. In a pixel that shows one smooth surface, a tile that lies within the pixel needs no neighbours: they would only
+// blur it; and `own_of_pixel` stands for samples without a point of their own.
+fn sums_of(sample: vec2u, surface: Surface, is_smooth: bool, own_of_pixel: u32) -> LightSums {
     let list = view.point_list_count - 1u;
-    let own = own_point(sample);
-    let point = select(neighbour_point(list, sample, 4), select(own, own_of_pixel, own == NO_POINT), own_of_pixel != NO_POINT);
-    if point != NO_POINT && (own_of_pixel != NO_POINT || view.point_lists[list].sampling <= view.supersample) {
+    var point = own_point(sample);
+    if point == NO_POINT && is_smooth {
+        point = own_of_pixel;
+        if point == NO_POINT && view.point_lists[list].sampling <= view.supersample {
+            point = neighbour_point(list, sample, 4);
+        }
+    }
+    if point != NO_POINT {
         return load_sums(point);
     }
     return gathered_sums(list, sample, surface.position_world, surface.n);
 }
 
-// A pixel that shows one smooth surface. What textures say is averaged over four samples, light over all that have points of their own.
-fn smooth_radiance(corner: vec2u) -> vec4f {
+// Radiance of a sample, or of the whole of a smooth pixel: what textures say is averaged over four samples then, light over tiles smaller
+// than the pixel and over samples that have points of their own.
+fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     let side = view.supersample;
-    let middle = corner + side / 2u;
-    let depth = depth_at(middle);
+    let depth = depth_at(sample);
+    let spread = select(1u, 4u, is_smooth && side > 1u);
     var mean = vec3f(0.0);
-    if depth == 0.0 {
-        for (var i = 0u; i < 4u; i++) {
-            mean += 0.25 * background_at(spread_sample(corner, side, i));
+    for (var i = 0u; i < spread; i++) {
+        let place = select(sample, spread_sample(corner, side, i), spread > 1u);
+        if depth == 0.0 {
+            mean += background_at(place) / f32(spread);
+        } else {
+            mean += diffuse_color_at(place) / f32(spread);
         }
+    }
+    if depth == 0.0 {
         return vec4f(mean, 0.0);
     }
-    var surface = surface_at(middle, depth);
-    if side > 1u {
-        for (var i = 0u; i < 4u; i++) {
-            mean += 0.25 * diffuse_color_at(spread_sample(corner, side, i));
-        }
-        surface.diffuse_color = mean;
-    }
+    var surface = surface_at(sample, depth);
+    surface.diffuse_color = mean;
+    let own = own_point(sample);
     let sampling = view.point_lists[view.point_list_count - 1u].sampling;
-    // One value for each sample where some have points of their own, for each tile where tiles are smaller than the pixel.
-    let own = own_point(middle);
-    let step = select(min(sampling, side), 1u, own != NO_POINT);
+    let step = select(side, select(min(sampling, side), 1u, own != NO_POINT), is_smooth);
     let steps = side / step;
     var sums: LightSums;
     for (var i = 0u; i < steps * steps; i++) {
-        let sample = corner + step * vec2u(i % steps, i / steps) + step / 2u;
-        add_weighted(&sums, 1.0 / f32(steps * steps), smooth_sums(sample, own, surface));
+        let place = select(sample, corner + step * vec2u(i % steps, i / steps) + step / 2u, is_smooth);
+        add_weighted(&sums, 1.0 / f32(steps * steps), sums_of(place, surface, is_smooth, own));
     }
     return vec4f(shade(surface, sums), 1.0);
 }
 
-@compute @workgroup_size(TILE, TILE)
-fn compose_smooth(@builtin(global_invocation_id) id: vec3u) {
-    let size = view.size / view.supersample;
-    if any(id.xy >= size) || edge_word(id.y * size.x + id.x) != 0u {
-        return;
-    }
-    textureStore(radiance, id.xy, smooth_radiance(id.xy * view.supersample));
-}
-
 var<workgroup> of_samples: array<vec4f, LIGHT_WORKGROUP>;
 
-// The samples of edge pixels, an invocation each: as many whole pixels as a workgroup holds.
+// Smooth pixels, an invocation each; or the samples of edge pixels, as many whole pixels as a workgroup holds.
 @compute @workgroup_size(LIGHT_WORKGROUP)
-fn compose_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+fn compose(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
     let side = view.supersample;
-    let samples = side * side;
-    let pixels = LIGHT_WORKGROUP / samples;
     let size = view.size / side;
-    let number = (workgroup.y * work[WORK_EDGE_DISPATCH] + workgroup.x) * pixels + local / samples;
-    let inside = local < pixels * samples && number < work[WORK_EDGE_DISPATCH + 3u];
-    var pixel = vec2u(0u);
-    if inside {
-        let place = edge_word(size.x * size.y + number);
+    let is_smooth = over_edges == 0u;
+    let samples = select(side * side, 1u, is_smooth);
+    var pixel = workgroup.xy * TILE + vec2u(local % TILE, local / TILE);
+    var inside = all(pixel < size) && work[WORK_PIXELS + pixel.y * size.x + pixel.x] == 0u;
+    if !is_smooth {
+        let pixels = LIGHT_WORKGROUP / samples;
+        let number = (workgroup.y * work[WORK_EDGE_DISPATCH] + workgroup.x) * pixels + local / samples;
+        inside = local < pixels * samples && number < work[WORK_EDGE_DISPATCH + 3u];
+        let place = work[WORK_PIXELS + size.x * size.y + select(0u, number, inside)];
         pixel = vec2u(place % size.x, place / size.x);
+    }
+    if inside {
         let k = local % samples;
-        let sample = pixel * side + vec2u(k % side, k / side);
-        let depth = depth_at(sample);
-        if depth == 0.0 {
-            of_samples[local] = vec4f(background_at(sample), 0.0);
-        } else {
-            let surface = surface_at(sample, depth);
-            of_samples[local] = vec4f(shade(surface, sums_at(sample, surface.position_world, surface.n)), 1.0);
-        }
+        let corner = pixel * side;
+        let sample = corner + select(vec2u(k % side, k / side), vec2u(side / 2u), is_smooth);
+        of_samples[local] = radiance_of(corner, sample, is_smooth);
     }
     workgroupBarrier();
     if inside && local % samples == 0u {

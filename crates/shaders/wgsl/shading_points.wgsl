@@ -62,7 +62,7 @@ fn has_own_point(sample: vec2u) -> bool {
     return own != NO_POINT && own >= first_point();
 }
 
-// Puts a point at its place; `NO_POINT` past the end. It starts with what the list before knows of its sample.
+// Puts a point at its place; `NO_POINT` past the end. Of the list before it notes which point its sample had to itself, for `inherit`.
 fn put(place: u32, point: ShadingPoint) -> u32 {
     if place >= arrayLength(&points) {
         return NO_POINT;
@@ -70,15 +70,56 @@ fn put(place: u32, point: ShadingPoint) -> u32 {
     points[place] = point;
     if stage.list > 0u {
         let own = point_of_sample[point.sample];
-        if own != NO_POINT && own < first_point() {
-            store_sums(place, load_sums(own));
-        } else {
-            let sample = vec2u(point.sample % view.size.x, point.sample / view.size.x);
-            let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
-            store_sums(place, gathered_sums(stage.list - 1u, sample, position, normal_at(sample)));
-        }
+        diffuse_sums[place] = vec4u(select(own, NO_POINT, own >= first_point()));
     }
     return place;
+}
+
+// The stage's points start with what the list before knows of their samples.
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn inherit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let words = WORK_STAGES + WORK_STAGE * stage.stage;
+    let place = atomicLoad(&work[words + 4u]) + (workgroup.y * atomicLoad(&work[words]) + workgroup.x) * LIGHT_WORKGROUP + local;
+    if place >= atomicLoad(&work[words + 3u]) {
+        return;
+    }
+    let own = diffuse_sums[place].x;
+    let point = points[place];
+    var sums: LightSums;
+    if own != NO_POINT {
+        sums = load_sums(own);
+    } else {
+        let sample = vec2u(point.sample % view.size.x, point.sample / view.size.x);
+        let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
+        sums = gathered_sums(stage.list - 1u, sample, position, normal_at(sample));
+    }
+    store_sums(place, sums);
+}
+
+// What an invocation of a pass over the picture works on: a block of samples in rows of workgroups, or a part of an edge pixel.
+struct Part {
+    // First sample of the block, or of the pixel.
+    corner: vec2u,
+    // Number of the part of an edge pixel.
+    number: u32,
+    exists: bool,
+}
+
+// Blocks of `side` samples a side, or an invocation for each sample of the edge pixels.
+fn part_of(side: u32, workgroup: vec2u, local: u32) -> Part {
+    if stage.over_edges == 0u {
+        let corner = (workgroup * TILE + vec2u(local % TILE, local / TILE)) * side;
+        return Part(corner, 0u, all(corner < view.size));
+    }
+    let samples = view.supersample * view.supersample;
+    let pixels = LIGHT_WORKGROUP / samples;
+    let size = view.size / view.supersample;
+    let number = (workgroup.y * atomicLoad(&work[WORK_EDGE_DISPATCH]) + workgroup.x) * pixels + local / samples;
+    if local >= pixels * samples || number >= atomicLoad(&work[WORK_EDGE_DISPATCH + 3u]) {
+        return Part(vec2u(0u), 0u, false);
+    }
+    let pixel = atomicLoad(&work[WORK_PIXELS + size.x * size.y + number]);
+    return Part(vec2u(pixel % size.x, pixel / size.x) * view.supersample, local % samples, true);
 }
 
 // Lists the pixels whose samples see more than one smooth surface. No sample has a point of its own yet.
@@ -165,8 +206,15 @@ fn is_represented(sample: vec2u, position_world: vec3f, n: vec3f) -> bool {
     return sum >= RESAMPLE_MIN_WEIGHT;
 }
 
-// Lists points for the samples of a block: for all of them, or those that none of the tiles stands for.
-fn refine_block(corner: vec2u, inside: bool, all_own: bool, local: u32) {
+// Lists points for samples: in blocks over the picture for those that none of the tiles stands for. Where tiles are no larger than a pixel
+// they stand for all of a smooth one; at edges things touch, and shadows are narrower than tiles: there every block has its points.
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn refine(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let part = part_of(stage.block, workgroup.xy, local);
+    let all_own = stage.over_edges != 0u;
+    let blocks = view.supersample / stage.block;
+    let inside = part.exists && (!all_own || part.number < blocks * blocks);
+    let corner = part.corner + select(vec2u(0u), stage.block * vec2u(part.number % blocks, part.number / blocks), all_own);
     let side = select(0u, stage.block, inside);
     // Of the block's samples those that none of the tiles stands for, and for each the point that does, two bits.
     var wanted = 0u;
@@ -228,43 +276,6 @@ fn refine_block(corner: vec2u, inside: bool, all_own: bool, local: u32) {
     }
 }
 
-@compute @workgroup_size(TILE, TILE)
-fn refine(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    refine_block(id.xy * stage.block, true, false, local);
-}
-
-// A part of an edge pixel, by the invocation that works on it.
-struct EdgePart {
-    // First sample of the pixel.
-    corner: vec2u,
-    // Number of the invocation within the pixel.
-    part: u32,
-    exists: bool,
-}
-
-// Invocations of a dispatch over edge pixels: one for each sample.
-fn edge_part(workgroup: vec2u, local: u32) -> EdgePart {
-    let samples = view.supersample * view.supersample;
-    let pixels = LIGHT_WORKGROUP / samples;
-    let size = view.size / view.supersample;
-    let number = (workgroup.y * atomicLoad(&work[WORK_EDGE_DISPATCH]) + workgroup.x) * pixels + local / samples;
-    if local >= pixels * samples || number >= atomicLoad(&work[WORK_EDGE_DISPATCH + 3u]) {
-        return EdgePart(vec2u(0u), 0u, false);
-    }
-    let pixel = atomicLoad(&work[WORK_PIXELS + size.x * size.y + number]);
-    return EdgePart(vec2u(pixel % size.x, pixel / size.x) * view.supersample, local % samples, true);
-}
-
-// Where tiles are no larger than a pixel they stand for all of a smooth one. At edges things touch, and shadows are narrower than tiles:
-// every sample has a point there, or its block.
-@compute @workgroup_size(LIGHT_WORKGROUP)
-fn refine_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
-    let edge = edge_part(workgroup.xy, local);
-    let blocks = view.supersample / stage.block;
-    let exists = edge.exists && edge.part < blocks * blocks;
-    refine_block(edge.corner + stage.block * vec2u(edge.part % blocks, edge.part / blocks), exists, true, local);
-}
-
 // Whether light so far changes much among the points around a sample, for what it would be without shadows: at edges of shadows, and in
 // highlights.
 fn needs_more(sample: vec2u, depth: f32) -> bool {
@@ -285,43 +296,31 @@ fn needs_more(sample: vec2u, depth: f32) -> bool {
     return most.x - least > stage.contrast * most.y;
 }
 
-@compute @workgroup_size(TILE, TILE)
-fn refine_lit(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
-    let corner = id.xy * view.supersample;
+// Lists more points where light changes: for smooth pixels one for each of their blocks, for samples of edge pixels each by itself.
+@compute @workgroup_size(LIGHT_WORKGROUP)
+fn refine_lit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
+    let over_edges = stage.over_edges != 0u;
+    let part = part_of(view.supersample, workgroup.xy, local);
+    let number = vec2u(part.number % view.supersample, part.number / view.supersample);
+    let asked = part.corner + select(vec2u(view.supersample / 2u), number, over_edges);
+    let block = select(stage.block, 1u, over_edges);
     let blocks = view.supersample / stage.block;
     var count = 0u;
-    if all(corner < view.size) {
-        let sample = corner + view.supersample / 2u;
-        let depth = depth_at(sample);
-        if depth > 0.0 && !is_edge(sample) && !has_own_point(sample) && needs_more(sample, depth) {
-            count = blocks * blocks;
+    if part.exists && is_edge(asked) == over_edges {
+        let depth = depth_at(asked);
+        if depth > 0.0 && !has_own_point(asked) && needs_more(asked, depth) {
+            count = select(blocks * blocks, 1u, over_edges);
         }
     }
     let start = reserve(WORK_POINTS, count, local);
     for (var k = 0u; k < count; k++) {
-        let first = corner + stage.block * vec2u(k % blocks, k / blocks);
-        let sample = first + stage.block / 2u;
+        let first = select(part.corner + block * vec2u(k % blocks, k / blocks), asked, over_edges);
+        let sample = first + block / 2u;
         let point = put(start + k, shading_point(sample, depth_at(sample)));
-        for (var i = 0u; i < stage.block * stage.block; i++) {
-            let of_block = first + vec2u(i % stage.block, i / stage.block);
+        for (var i = 0u; i < block * block; i++) {
+            let of_block = first + vec2u(i % block, i / block);
             point_of_sample[of_block.y * view.size.x + of_block.x] = point;
         }
-    }
-}
-
-// The same for samples of edge pixels, each by itself.
-@compute @workgroup_size(LIGHT_WORKGROUP)
-fn refine_lit_edges(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
-    let edge = edge_part(workgroup.xy, local);
-    let sample = edge.corner + vec2u(edge.part % view.supersample, edge.part / view.supersample);
-    var depth = 0.0;
-    if edge.exists {
-        depth = depth_at(sample);
-    }
-    let wanted = depth > 0.0 && !has_own_point(sample) && needs_more(sample, depth);
-    let place = reserve(WORK_POINTS, u32(wanted), local);
-    if wanted {
-        point_of_sample[sample.y * view.size.x + sample.x] = put(place, shading_point(sample, depth));
     }
 }
 

@@ -116,7 +116,7 @@ impl Renderer {
                 batch..batch + 1
             }
         };
-        let groups = [&target.gbuffer.group, &target.points.compose_group];
+        let groups = [&target.gbuffer.group, &target.points.compose_groups[0]];
         let batches = lit.debug_groups.iter().skip(shown.start).take(shown.len());
         debug.pass.encode(recorder, batches, groups, sample_size);
         Ok(())

@@ -233,12 +233,8 @@ impl Renderer {
                 self.passes.cache.encode(&mut recorder, cache, &lit.environment.cache);
             }
             recorder.end_pass("radiance cache")?;
-            let groups = [
-                (layout::GROUP_FRAME, &lit.environment.compose),
-                (layout::GROUP_SURFACE, gbuffer_group),
-                (layout::GROUP_PASS, &target.points.compose_group),
-            ];
-            compose.encode(&mut recorder, groups, size, &target.points.work);
+            let groups = [&lit.environment.compose, gbuffer_group];
+            compose.encode(&mut recorder, groups, size, &target.points);
             recorder.end_pass("compose")?;
         }
         self.passes.resolve.encode(&mut recorder, &target.output, target.composed, exposure, tone_mapping);

@@ -127,6 +127,8 @@ super::structs! {
         pub block: u32,
         /// Least change of visibility between neighbouring points for which there are more.
         pub contrast: f32,
+        /// Whether the pass is over edge pixels alone, not over the whole picture.
+        pub over_edges: u32,
     }
 
     /// A uniform area light and its shadow map's frame. The outline of a light in the scene is given as it would look straight on from
