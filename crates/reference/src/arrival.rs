@@ -48,7 +48,9 @@ pub fn interior_arrival(
                 .into_iter()
                 .chain(second)
                 .enumerate()
-                .map(|(i, receiver)| looked(&traced, &receiver, &sequence, number as usize + i, world_from_environment))
+                .map(|(i, receiver)| {
+                    looked(&traced, &receiver, &sequence, number as usize + i, world_from_environment)
+                })
                 .collect::<Vec<_>>()
         })
         .collect();

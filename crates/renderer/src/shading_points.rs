@@ -197,10 +197,12 @@ impl PointPlan {
     fn block(&self, kind: StageKind, is_coarse: bool) -> u32 {
         let side = self.supersample;
         let most = match (kind, is_coarse) {
+            // A highlight may be narrower than a pixel.
+            (_, true) if self.planes.specular => (side / 2).clamp(1, 2),
             (StageKind::Tiles, true) => 4,
             (StageKind::Lit, true) => side,
-            (StageKind::Tiles, false) => (side / 2).clamp(1, 2),
-            (StageKind::Lit, false) => 1,
+            (StageKind::Tiles, false) if !self.planes.specular => (side / 2).clamp(1, 2),
+            (_, false) => 1,
         };
         (1..=most).rev().find(|block| side.is_multiple_of(*block)).unwrap_or(1)
     }
@@ -317,7 +319,8 @@ impl ShadingPointsPass {
         let stages = stages.collect();
         let compose_groups = [0, 1].map(|over_edges: u32| {
             let uniform = wgpu::BufferUsages::UNIFORM;
-            let over_edges = gpu.buffer_with("over edges", bytemuck::bytes_of(&[over_edges, 0, 0, 0]), uniform);
+            let over_edges =
+                gpu.buffer_with("over edges", bytemuck::bytes_of(&[over_edges, 0, 0, 0]), uniform);
             let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
             let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
             resources.push((7, wgpu::BindingResource::TextureView(radiance)));

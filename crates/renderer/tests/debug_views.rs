@@ -223,6 +223,7 @@ fn points_are_white_once_a_tile_and_red_at_edges() {
     let coarse = settings().with(|s| {
         s.techniques.shadow_sampling = 8;
         s.techniques.sharp_shadow_sampling = 8;
+        s.techniques.shadow_contrast = 1.0;
     });
     let mut renderer = renderer(&gpu, coarse, &scene, &one_disk(Vec3::Y, 0.2));
     let at = shown(&mut renderer, &camera, ("points", 0), [SIZE, SIZE]);

@@ -206,6 +206,14 @@ fn is_represented(sample: vec2u, position_world: vec3f, n: vec3f) -> bool {
     return sum >= RESAMPLE_MIN_WEIGHT;
 }
 
+// Whether a sample of the same block may share a point: highlights allow less than the tiles do.
+fn stands_for(point: ShadingPoint, sample: vec2u, position_world: vec3f, n: vec3f) -> bool {
+    let normal_power = normal_power_at(sample);
+    let n_dot_n = max(dot(n, octahedral_decode(unpack2x16float(point.normal))), 0.0);
+    return pow(n_dot_n, normal_power) >= SMOOTH_NORMALS
+        && point_weight(stage.list, point, sample, position_world, n, normal_power) >= RESAMPLE_MIN_WEIGHT;
+}
+
 // Lists points for samples: in blocks over the picture for those that none of the tiles stands for. Where tiles are no larger than a pixel
 // they stand for all of a smooth one; at edges things touch, and shadows are narrower than tiles: there every block has its points.
 @compute @workgroup_size(LIGHT_WORKGROUP)
@@ -249,7 +257,7 @@ fn refine(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_ind
         wanted |= 1u << i;
         var found = false;
         for (var k = 0u; k < count && !found; k++) {
-            found = point_weight(stage.list, own_points[k], sample, position_world, n, normal_power_at(sample)) >= RESAMPLE_MIN_WEIGHT;
+            found = stands_for(own_points[k], sample, position_world, n);
             if found {
                 owner |= k << (2u * i);
             }

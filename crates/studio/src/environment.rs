@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnomon_envmap::{Environment, Equirect, builtin, load};
 use glam::Quat;
+use gnomon_envmap::{Environment, Equirect, builtin, load};
 use gnomon_lights::fit::FitSettings;
 use gnomon_lights::{FitOptions, LightSet};
 use gnomon_renderer::{PreparedLighting, RenderSettings};

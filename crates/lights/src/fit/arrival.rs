@@ -1,7 +1,7 @@
 //! How much of the light from every direction arrives at what is seen of a scene.
 
-use gnomon_envmap::CubeMap;
 use glam::{Vec2, Vec3};
+use gnomon_envmap::CubeMap;
 
 use super::faces::Faces;
 
@@ -79,7 +79,11 @@ impl Arrival {
                 faces.flux[face].iter().zip(weights(face)).map(|(flux, weight)| flux * weight).collect()
             }),
             moments: std::array::from_fn(|face| {
-                faces.moments[face].iter().zip(weights(face)).map(|(moments, weight)| moments.lit(weight)).collect()
+                faces.moments[face]
+                    .iter()
+                    .zip(weights(face))
+                    .map(|(moments, weight)| moments.lit(weight))
+                    .collect()
             }),
         }
     }
@@ -110,7 +114,9 @@ mod tests {
         assert!(Arrival::of_interior(&ones, &ones).is_none());
         assert!(Arrival::of_interior(&vec![0.3; Arrival::DIRECTIONS], &ones).is_none());
         assert!(Arrival::of_interior(&vec![0.0; Arrival::DIRECTIONS], &ones).is_none(), "nothing arrives");
-        assert!(Arrival::of_interior(&vec![0.0; Arrival::DIRECTIONS], &vec![0.0; Arrival::DIRECTIONS]).is_none());
+        assert!(
+            Arrival::of_interior(&vec![0.0; Arrival::DIRECTIONS], &vec![0.0; Arrival::DIRECTIONS]).is_none()
+        );
     }
 
     #[test]
@@ -124,7 +130,11 @@ mod tests {
                 by_name(method, &options).unwrap().fit(&map).unwrap().lights
             };
             let within = |lights: &[crate::DistantLight]| {
-                lights.iter().filter(|light| light.direction.x > 0.85).map(|light| light.flux()).collect::<Vec<_>>()
+                lights
+                    .iter()
+                    .filter(|light| light.direction.x > 0.85)
+                    .map(|light| light.flux())
+                    .collect::<Vec<_>>()
             };
             let (plain, seen) = (fitted(None), fitted(Some(std::sync::Arc::new(window()))));
             assert!(within(&plain).len() < 8, "{method}");

@@ -86,8 +86,10 @@ pub(super) fn divided(faces: &Faces, options: &FitOptions) -> Vec<Part> {
             Cell { cost, face, rect }
         })
     };
-    let mut open: BinaryHeap<Cell> =
-        first_cells(count, ground, options.arrival.is_some()).into_iter().filter_map(|(face, rect)| planned(face, rect)).collect();
+    let mut open: BinaryHeap<Cell> = first_cells(count, ground, options.arrival.is_some())
+        .into_iter()
+        .filter_map(|(face, rect)| planned(face, rect))
+        .collect();
     let mut done = Vec::new();
     while let Some(cell) = open.pop() {
         if done.len() + open.len() + 1 >= count && cell.cost.is_finite() {

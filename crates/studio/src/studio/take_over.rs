@@ -172,11 +172,7 @@ impl Studio {
     }
 
     fn show(&mut self, loaded: LoadedStage) -> Result<(), StudioError> {
-        let LoadedStage {
-            stage,
-            lighting: LightingResult { lights, prepared, lit_for, .. },
-            asked,
-        } = loaded;
+        let LoadedStage { stage, lighting: LightingResult { lights, prepared, lit_for, .. }, asked } = loaded;
         let mut look = stage.look().clone();
         look.keep_changes(&asked, self.look());
         let (stage, _) = checked(&stage, look)?;
