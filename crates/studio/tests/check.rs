@@ -149,10 +149,10 @@ fn the_cheapest_settings_within_a_bound_are_chosen() {
     assert_eq!(next, studio.stage().check(&frame.radiance, CHECKED_PIXELS).unwrap());
 }
 
-/// Pictures of the training scenes, most of them with default settings and some with worse. Eight minutes on two cores, hence not among those of
+/// Pictures of the training scenes, most of them with default settings and some with worse. Five minutes on two cores, hence not among those of
 /// every change: `cargo test -p gnomon-studio --test check -- --ignored --nocapture`.
 #[test]
-#[ignore = "eight minutes"]
+#[ignore = "five minutes"]
 #[allow(clippy::print_stdout, reason = "the numbers are what it is for")]
 fn of_pictures_of_the_training_scenes_nine_of_ten_are_as_far_off_as_told() {
     let Some(gpu) = gpu() else { return };
