@@ -116,6 +116,73 @@ fn an_adapter_that_is_not_there_is_named() {
 }
 
 #[test]
+fn a_number_comes_with_every_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    let scene = ["render", "three-boxes", "--env", "room", "--size", "64x48", "--lights", "disks"];
+    let run = |arguments: &[&str]| gnomon(folder.path(), &[&scene[..], arguments].concat()).succeeded();
+    let stats = || -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("stats.json")).unwrap()).unwrap()
+    };
+    let told = run(&["-o", "a.exr", "--stats", "stats.json"]).err;
+    let check = stats()["check"].clone();
+    let [error, uncertainty] =
+        ["relative_rmse", "uncertainty"].map(|key| 100.0 * check[key].as_f64().unwrap());
+    assert_eq!(check["pixels"], 256);
+    let line = format!("check: {error:.1} % off ray-traced truth, +- {uncertainty:.1} % (256 pixels)\n");
+    assert_eq!(told, line);
+    assert_eq!(run(&["-o", "b.exr"]).err, line, "the same picture, the same number");
+    // It is that of `compare`.
+    gnomon(folder.path(), &[&["reference"], &scene[1..6], &["-o", "truth.exr", "--spp", "1024"]].concat())
+        .succeeded();
+    let compared = gnomon(folder.path(), &["compare", "a.exr", "truth.exr"]).succeeded().json();
+    let whole = 100.0 * compared["relative_rmse"].as_f64().unwrap();
+    assert!((whole - error).abs() < 3.0 * uncertainty, "{error} +- {uncertainty}, not {whole}");
+
+    let few = run(&["-o", "a.exr", "--check", "32"]).err;
+    assert!(few.contains("(32 pixels)") && few.lines().count() == 1, "{few}");
+    assert!(run(&["-o", "a.png", "--debug", "normals"]).err.is_empty(), "normals have no truth");
+    assert!(run(&["-o", "a.exr", "--check", "0", "--stats", "stats.json"]).err.is_empty());
+    assert!(stats().get("check").is_none());
+    assert!(
+        run(&["-o", "s_####.exr", "--frames", "0..1"]).err.is_empty(),
+        "frames are not checked by default"
+    );
+    let frames = run(&["-o", "s_####.exr", "--frames", "0..1", "--overwrite", "--check", "32"]).err;
+    assert!(frames.contains("check of frame 1: ") && frames.lines().count() == 2, "{frames}");
+}
+
+#[test]
+fn an_error_is_kept_or_said_to_be_out_of_reach() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    // What is given stays: one setting is left to try.
+    let fixed = ["--light-count", "12", "--supersample", "1", "--shadow-resolution", "64"];
+    let sharp = ["--sharp-shadow-resolution", "64", "--shadow-sampling", "8", "--sharp-shadow-sampling", "8"];
+    let scene = ["render", "three-boxes", "--env", "room", "--size", "48x36", "-o", "a.exr"];
+    let run = |most: &str, options: &[&str]| {
+        let bound = ["--max-error", most, "--stats", "stats.json"];
+        let run = gnomon(folder.path(), &[&scene[..], &bound, options].concat()).succeeded();
+        let stats = std::fs::read_to_string(folder.path().join("stats.json")).unwrap();
+        (run.err, serde_json::from_str::<serde_json::Value>(&stats).unwrap())
+    };
+    let (told, stats) = run("0.1%", &[&fixed[..], &sharp].concat());
+    let settings = "12 lights, shadow maps of 64 and 64, shadow sampling 8 and 8, 1 x 1 samples a pixel";
+    assert!(told.contains("warning: no setting that --max-error tries keeps 0.1 %"), "{told}");
+    assert!(told.contains(settings) && told.contains("check: "), "{told}");
+    assert_eq!((&stats["max_error"]["met"], &stats["light_count"]), (&false.into(), &12.into()));
+    let (told, stats) = run("0.5", &[]);
+    assert!(told.starts_with("max-error: 16 lights") && !told.contains("warning"), "{told}");
+    let check = &stats["check"];
+    assert!(check["relative_rmse"].as_f64().unwrap() + check["uncertainty"].as_f64().unwrap() <= 0.5);
+    assert_eq!((&stats["max_error"]["met"], &stats["max_error"]["bound"]), (&true.into(), &0.5.into()));
+}
+
+#[test]
 fn demo_writes_its_sheet() {
     let folder = tempfile::tempdir().unwrap();
     if !can_render(folder.path()) {

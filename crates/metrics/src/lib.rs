@@ -11,6 +11,7 @@ mod display;
 mod flip;
 mod mask;
 pub mod penumbra;
+mod sampled;
 mod weighted;
 mod z_test;
 
@@ -22,5 +23,6 @@ pub use difference::{flip_difference, signed_difference};
 pub use display::{DISPLAY_MAPPING, Exposure};
 pub use flip::{FlipMap, PIXELS_PER_DEGREE, flip};
 pub use mask::{Mask, Region, RegionError};
+pub use sampled::{PixelSample, SampledError};
 pub use weighted::error_weighted_percentile;
 pub use z_test::{ZTest, z_test};

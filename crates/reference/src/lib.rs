@@ -1,8 +1,8 @@
 //! Ray-traced truth: direct light on a scene, as the mean and the variance of every pixel.
 //!
 //! [`render`] lights the scene by the environment itself; [`render_lights`] by a fitted [`gnomon_lights::LightSet`], which
-//! tells the error of a fit from that of a shadow technique. Both add the scene's own area lights. Neither shares code with
-//! the GPU renderer beyond the scene, the map lookup and the reflectance models.
+//! tells the error of a fit from that of a shadow technique; [`trace_pixels`] traces single pixels of [`render`]'s picture. All add
+//! the scene's own area lights. None shares code with the GPU renderer beyond the scene, the map lookup and the reflectance models.
 //!
 //! What counts as the truth:
 //! - Light arrives directly, from infinity or from the scene's area lights; nothing is reflected twice. Emission of
@@ -23,6 +23,7 @@ mod environment;
 mod error;
 mod illumination;
 mod near_light;
+mod pixels;
 mod progressive;
 mod render;
 mod sampler;
@@ -34,5 +35,6 @@ mod welford;
 pub use arrival::interior_arrival;
 pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
+pub use pixels::trace_pixels;
 pub use progressive::Progressive;
 pub use render::{Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, render, render_lights};

@@ -18,9 +18,12 @@
 //! # }
 //! ```
 
+mod check;
 mod converging;
 mod environment;
 mod error;
+#[cfg(not(target_arch = "wasm32"))]
+mod error_bound;
 mod executor;
 mod files;
 mod frame_rate;
@@ -33,14 +36,18 @@ mod sequence;
 mod stage;
 mod studio;
 
+pub use check::CHECKED_PIXELS;
 pub use converging::ReferencePicture;
 pub use environment::{FitScene, environment_named, fit_lights, load_environment};
 pub use error::StudioError;
+#[cfg(not(target_arch = "wasm32"))]
+pub use error_bound::ErrorBound;
 #[cfg(not(target_arch = "wasm32"))]
 pub use executor::Threads;
 pub use executor::{Executor, Slices, Task, default_executor};
 pub use files::SceneFiles;
 pub use frame_rate::{DrawnFrame, FrameRate};
+pub use gnomon_metrics::SampledError;
 pub use look::{
     AnimationLook, CameraLook, ENVIRONMENT, EnvironmentLook, Look, PictureSettings, SCENE, SceneLook,
 };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use gnomon_envmap::{Equirect, Projection};
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
+use gnomon_metrics::SampledError;
 use gnomon_renderer::{
     Change, Gpu, LightingChange, LightingSettings, MeasureSettings, PreparedLighting, RenderSettings,
     Renderer, SceneChange,
@@ -12,6 +13,7 @@ use gnomon_renderer::{
 use gnomon_scene::{Camera, Scene};
 use gnomon_scene_files::EnvironmentSource;
 
+use crate::check::{Checking, Shown};
 use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
@@ -48,6 +50,7 @@ pub struct Studio {
     lighting: Job<LightingRequest, Result<LightingResult, StudioError>>,
     scenes: Job<SceneRequest, Result<LoadedStage, StudioError>>,
     converging: Option<Converging>,
+    checking: Option<Checking>,
     executor: Arc<dyn Executor>,
     profile: bool,
     in_flight: FramesInFlight,
@@ -131,6 +134,7 @@ impl Studio {
             lighting: Job::new("light fitting", work_out, Arc::clone(&executor)),
             scenes: Job::new("scene loading", SceneRequest::work_out, Arc::clone(&executor)),
             converging: None,
+            checking: None,
             executor,
             profile: false,
             in_flight: FramesInFlight::default(),
@@ -245,6 +249,38 @@ impl Studio {
     /// Stops tracing.
     pub fn stop_converging(&mut self) {
         self.converging = None;
+    }
+
+    /// How far a picture of so many pixels as it would be drawn now is from the truth, [`Stage::check`], found in the background; `None` until it is
+    /// known and where a debug view is drawn. To be called once a frame while nothing moves: it draws one frame when anything has changed, and what was
+    /// found out about pictures before is dropped.
+    ///
+    /// # Errors
+    /// As [`Studio::frame_async`] and [`Stage::check`]; each is told once.
+    pub fn check(&mut self, width: u32, height: u32) -> Result<Option<SampledError>, StudioError> {
+        if self.renderer.shows_debug_view() || self.is_busy() {
+            self.checking = None;
+            return Ok(None);
+        }
+        let shown = Shown {
+            look: self.look().clone(),
+            scene: Arc::clone(self.stage.scene()),
+            environment: Arc::clone(self.stage.environment()),
+            lights: Arc::clone(&self.lights),
+            size: [width, height],
+        };
+        if let Some(checking) = self.checking.as_ref().filter(|checking| checking.is_of(&shown)) {
+            return checking.found();
+        }
+        self.checking = None;
+        let frame = self.renderer.render_async(&self.stage.camera()?, width, height);
+        self.checking = Some(Checking::start(shown, &self.stage, frame, &*self.executor)?);
+        Ok(None)
+    }
+
+    /// Stops checking.
+    pub fn stop_checking(&mut self) {
+        self.checking = None;
     }
 
     /// The reference as far as it has come; `None` before its first pass and while nothing is traced.

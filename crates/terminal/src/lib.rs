@@ -38,6 +38,11 @@ impl Terminal {
         Self { program, quiet }
     }
 
+    /// Whether only errors and results are shown.
+    pub fn is_quiet(self) -> bool {
+        self.quiet
+    }
+
     /// One line `PROGRAM: warning: ...` on standard error.
     pub fn warn(self, message: &str) {
         if !self.quiet {

@@ -45,6 +45,7 @@ pub fn caption(ui: &Ui, rect: Rect, viewer: &Viewer) {
                 let [width, height] = picture.size();
                 lines.push(format!("{width} x {height}, {:.1} ms", picture.frame_ms));
             }
+            lines.extend(picture.checked.map(|error| error.to_string()));
         }
         shown => {
             let name = if shown == Shown::Reference { "reference" } else { "GPU less reference" };

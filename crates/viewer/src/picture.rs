@@ -1,6 +1,6 @@
 //! What the middle of the window shows: the GPU's picture, the reference, or their difference.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use eframe::egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use eframe::egui_wgpu::RenderState;
@@ -8,9 +8,12 @@ use gnomon_picture::RgbImage;
 use gnomon_picture::ldr::srgb8;
 use gnomon_picture::tonemap::tone_mapped;
 use gnomon_renderer::{PassTiming, wgpu};
-use gnomon_studio::{Studio, StudioError};
+use gnomon_studio::{SampledError, Studio, StudioError};
 
 use crate::pace::Pace;
+
+/// How long a picture has stood still before it is checked.
+const STANDS_STILL: Duration = Duration::from_millis(500);
 
 /// Which picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,11 +71,15 @@ pub struct Picture {
     pub debug: Option<DebugChoice>,
     /// The reference, where one is traced.
     pub truth: Option<Truth>,
+    /// How far the GPU's picture is from the truth, once it has stood still for a while.
+    pub checked: Option<SampledError>,
     /// Time of a frame on the GPU [ms].
     pub frame_ms: f64,
     /// Times of its passes, where they are asked for.
     pub passes: Vec<PassTiming>,
     stale: bool,
+    /// When the GPU's picture was drawn, where it may still be checked.
+    drawn: Option<Instant>,
     size: [u32; 2],
     divisor: u32,
     debug_in_force: Option<DebugChoice>,
@@ -125,8 +132,10 @@ impl Picture {
         }
         // A picture that cannot be drawn is not tried again until something changes.
         (self.stale, self.size, self.divisor, self.radiance) = (false, size, divisor, None);
+        self.drawn = None;
         // What was compared with the picture before is no longer true.
-        (self.truth, self.traced_from) = (None, None);
+        (self.truth, self.traced_from, self.checked) = (None, None, None);
+        studio.stop_checking();
         let began = Instant::now();
         studio.submit(size[0], size[1])?;
         if !studio.renderer().times_come_late() {
@@ -137,6 +146,7 @@ impl Picture {
         if let Some(view) = studio.renderer().display_view() {
             self.show(state, &view);
         }
+        self.drawn = Some(Instant::now());
         Ok(())
     }
 
@@ -162,6 +172,25 @@ impl Picture {
             Some(id) => renderer.update_egui_texture_from_wgpu_texture(&state.device, view, filter, id),
             None => self.texture = Some(renderer.register_native_texture(&state.device, view, filter)),
         }
+    }
+
+    /// Has the GPU's picture checked in the background once it has stood still for a moment.
+    ///
+    /// # Errors
+    /// As [`Studio::check`].
+    pub fn check(&mut self, studio: &mut Studio, ctx: &Context) -> Result<(), StudioError> {
+        let Some(drawn) = self.drawn.filter(|_| !self.is_debug_view()) else { return Ok(()) };
+        let left = STANDS_STILL.saturating_sub(drawn.elapsed());
+        if left.is_zero() {
+            // Neither what is known nor what cannot be found out is asked for again.
+            let found = studio.check(self.size[0], self.size[1]);
+            self.drawn = self.drawn.filter(|_| matches!(found, Ok(None)));
+            self.checked = found?;
+        }
+        if self.drawn.is_some() {
+            ctx.request_repaint_after(left.max(Duration::from_millis(100)));
+        }
+        Ok(())
     }
 
     /// Goes on with the reference, and makes a texture of what there is of it.

@@ -338,6 +338,9 @@ impl Viewer {
         let Some(studio) = &mut self.studio else { return };
         if self.picture.shown == Shown::Gpu {
             self.picture.forget_reference(studio);
+            if !moving && let Err(error) = self.picture.check(studio, ctx) {
+                self.notices.error(&error);
+            }
         } else if !moving {
             match self.picture.trace(studio, ctx) {
                 Ok(()) => ctx.request_repaint_after(Duration::from_millis(150)),

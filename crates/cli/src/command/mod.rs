@@ -1,5 +1,6 @@
 //! One file a command: its arguments, and what they mean.
 
+mod check;
 pub mod compare;
 pub mod decompose;
 pub mod demo;

@@ -9,6 +9,7 @@ use gnomon::studio::Studio;
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
 
+use super::check::{self, CheckArgs};
 use super::level_of_detail::{self, LevelOfDetailArgs};
 use super::sequence;
 use crate::error::CliError;
@@ -24,6 +25,7 @@ use crate::output;
   gnomon render three-boxes --env room -o boxes.png
   gnomon render bunny.ply --env grace.hdr --lights disks -o bunny.png --stats stats.json
   gnomon render bunny.ply --env grace.hdr --target-fps 30 -o bunny.png
+  gnomon render bunny.ply --env grace.hdr --max-error 2% -o bunny.png
   gnomon render robot.glb --env sky --camera 'eye=3,2,4; target=0,0.5,0; fov=40' -o robot.exr
   gnomon render robot.glb --env sky --duration 8 --fps 25 --turntable 45 -o frames/robot_####.png
   gnomon render robot.glb --env sky --clip Dance --frames 0..99 -o dance.mp4")]
@@ -42,9 +44,12 @@ pub struct RenderArgs {
     level_of_detail: LevelOfDetailArgs,
 
     #[command(flatten)]
+    check: CheckArgs,
+
+    #[command(flatten)]
     sequence: SequenceArgs,
 
-    /// Write lights, flux shares, adapter, memory and the time of every pass as JSON
+    /// Write lights, flux shares, adapter, memory, the time of every pass and the checked error as JSON
     #[arg(long, value_name = "STATS.json", conflicts_with_all = ["frames", "duration"])]
     stats: Option<PathBuf>,
 
@@ -78,6 +83,7 @@ const TIMED_SECONDS: f64 = 2.0;
 /// Inputs that cannot be used, no adapter, unwritable outputs.
 pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     args.sequence.check()?;
+    args.check.validate()?;
     let is_sequence = args.sequence.is_given();
     output::check_pictures(&args.output, is_sequence)?;
     for (path, extension) in [(&args.stats, "json"), (&args.save_scene, "toml")] {
@@ -97,16 +103,32 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     };
     if is_sequence {
         let files = (args.output.as_path(), args.save_scene.as_deref());
-        return sequence::render(&args.sequence, files, &gpu_options, stage, terminal);
+        return sequence::render(&args.sequence, &args.check, files, &gpu_options, stage, terminal);
     }
     let spinner = terminal.spinner("rendering");
     let [width, height] = stage.look().picture.size;
+    let bound = args.check.bound(&args.gpu.look.given);
+    if let Some(first) = bound.as_ref().and_then(|bound| bound.looks(stage.look()).into_iter().next()) {
+        // Lights are fitted once for the first try.
+        stage.set_look(first)?;
+    }
     let mut studio = Studio::new(&Gpu::new(&gpu_options)?, stage)?;
     if let Some(view) = &args.debug {
         studio.renderer().set_debug_view(view, args.debug_light)?;
     }
-    let frame = studio.frame(width, height)?;
+    let (frame, checked) = match &bound {
+        Some(bound) => {
+            let (frame, error) = studio.frame_within(bound)?;
+            (frame, Some(error))
+        }
+        None => (studio.frame(width, height)?, None),
+    };
     let times = args.stats.as_ref().map(|_| Times::measure(&mut studio)).transpose()?;
+    let is_told = args.debug.is_none() && (args.stats.is_some() || !terminal.is_quiet());
+    let checked = match checked {
+        None if is_told => args.check.single(studio.stage(), &frame.radiance)?,
+        checked => checked,
+    };
     drop(spinner);
     let stage = studio.stage();
     // Debug views are no radiance: they are shown as they are.
@@ -123,10 +145,22 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         if let Some(settled) = &settled {
             stats["level_of_detail"] = settled.document();
         }
+        if let Some(error) = &checked {
+            stats["check"] = json!(error);
+        }
+        if let (Some(bound), Some(error)) = (&bound, &checked) {
+            stats["max_error"] = check::bound_document(bound, studio.look(), error);
+        }
         output::write_text(path, &(output::json(&stats) + "\n"))?;
     }
     if let Some(settled) = &settled {
         terminal.note(&settled.summary());
+    }
+    if let (Some(bound), Some(error)) = (&bound, &checked) {
+        check::tell_bound(bound, studio.look(), studio.lights().lights.len(), error, terminal);
+    }
+    if let Some(error) = &checked {
+        terminal.note(&format!("check: {error}"));
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use gnomon::metrics::SampledError;
 use gnomon::picture::RgbImage;
 use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::reference::{self, ReferenceOptions};
@@ -10,6 +11,7 @@ use gnomon::studio::{Film, FrameFiles, Look, Sequence, SequenceRun, Stage, Studi
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
 
+use super::check::CheckArgs;
 use crate::error::CliError;
 use crate::options::SequenceArgs;
 use crate::output;
@@ -20,6 +22,7 @@ use crate::output;
 /// No adapter, pictures of other settings under the same names, unwritable files, no ffmpeg for a film.
 pub fn render(
     args: &SequenceArgs,
+    check: &CheckArgs,
     (output, save_scene): (&Path, Option<&Path>),
     options: &GpuOptions,
     stage: Stage,
@@ -34,7 +37,9 @@ pub fn render(
     }
     job.run(terminal, |look| {
         studio.set_look(look)?;
-        Ok(studio.frame(width, height)?.radiance)
+        let radiance = studio.frame(width, height)?.radiance;
+        let error = check.frame(studio.stage(), &radiance)?;
+        Ok((radiance, error))
     })
 }
 
@@ -54,7 +59,7 @@ pub fn reference(
     job.run(terminal, |look| {
         stage.set_look(look)?;
         let (scene, camera) = stage.for_reference()?;
-        Ok(reference::render(&scene, &camera, stage.environment(), options)?.mean)
+        Ok((reference::render(&scene, &camera, stage.environment(), options)?.mean, None))
     })
 }
 
@@ -93,7 +98,7 @@ impl Job {
     fn run(
         mut self,
         terminal: Terminal,
-        mut draw: impl FnMut(Look) -> Result<RgbImage, CliError>,
+        mut draw: impl FnMut(Look) -> Result<(RgbImage, Option<SampledError>), CliError>,
     ) -> Result<(), CliError> {
         if self.kept > 0 {
             terminal.note(&format!("{} frames are there already, {} to draw", self.kept, self.frames.len()));
@@ -102,7 +107,10 @@ impl Job {
         for (done, &frame) in self.frames.iter().enumerate() {
             bar.set(done as f32 / self.frames.len() as f32);
             bar.tell(&format!("frame {frame}"));
-            let radiance = draw(self.sequence.look(frame))?;
+            let (radiance, error) = draw(self.sequence.look(frame))?;
+            if let Some(error) = error {
+                bar.suspend(|| terminal.note(&format!("check of frame {frame}: {error}")));
+            }
             match &mut self.sink {
                 Sink::Pictures(run) => {
                     output::write_radiance(&run.path(frame), &radiance, self.display)?;

@@ -294,6 +294,28 @@ fn a_reference_that_nobody_looks_at_is_given_up() {
 }
 
 #[test]
+fn a_picture_that_stands_still_gets_its_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(state) = render_state() else { return };
+    let mut viewer = viewer_in(folder.path());
+    let mut app = App::over(state, &mut viewer, None);
+    let mut window = Headless::new(160.0, 120.0);
+    let began = Instant::now();
+    while app.viewer.picture.checked.is_none() && began.elapsed() < PATIENCE {
+        window.frame(Vec::new(), |ui| app.show(ui));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let error = app.viewer.picture.checked.unwrap();
+    assert!(error.relative_rmse > 0.0 && error.uncertainty < 0.2, "{error:?}");
+    let wanted_after = window.rest(&mut app);
+    assert!(wanted_after > Duration::from_secs(1), "nothing is left to find out: {wanted_after:?}");
+    app.viewer.move_view(|orbit| orbit.turn(glam::Vec2::new(0.3, 0.0)));
+    window.frame(Vec::new(), |ui| app.show(ui));
+    assert_eq!(app.viewer.picture.checked, None, "that was another picture");
+    assert_no_notices(app.viewer);
+}
+
+#[test]
 fn messages_leave_the_help_readable() {
     let ctx = Context::default();
     let mut notices = crate::notices::Notices::default();
