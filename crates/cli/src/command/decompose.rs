@@ -1,8 +1,10 @@
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 use gnomon::lights::preview;
-use gnomon::studio;
+use gnomon::options::Given;
+use gnomon::studio::{self, Look, Project, Stage};
 use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
@@ -24,6 +26,10 @@ pub struct DecomposeArgs {
 
     #[command(flatten)]
     look: LookArgs<Fitted>,
+
+    /// Scene that the lights are for: in an interior they go to what comes in
+    #[arg(long, value_name = "SCENE", conflicts_with = "above_ground")]
+    scene: Option<String>,
 
     /// For scenes that stand on a ground, which little light from below reaches: a partition of fewer than 48 lights, optimized or
     /// not, spends few of them there
@@ -64,8 +70,15 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     args.look.given.apply(&mut asked);
     asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");
-    let environment = load_environment(&args.environment, &args.look.given, terminal)?;
-    let lights = studio::fit_lights(&asked, &asked.options(args.above_ground)?, &environment)?;
+    let environment = Arc::new(load_environment(&args.environment, &args.look.given, terminal)?);
+    let options = match &args.scene {
+        Some(scene) => {
+            let project = Project::open(scene, Look::default(), &Given::default())?;
+            Stage::under(project, Arc::clone(&environment), Vec::new())?.fit_scene().options(&asked)?
+        }
+        None => asked.options(args.above_ground)?,
+    };
+    let lights = studio::fit_lights(&asked, &options, &environment)?;
     drop(spinner);
     if let Some(path) = &args.residual {
         gnomon::picture::write(path, lights.residual.radiance())?;
