@@ -90,7 +90,7 @@ settings! {
         sharp_shadow_sampling: u32 = 4, power_of_two(1, 32).under(SAMPLING);
         /// Where the share of light that arrives changes by more from one tile to the next, light is summed at each pixel, that of sharp
         /// lights at each sample; 1 leaves that out.
-        shadow_contrast: f32 = 0.25, number(0.0, 1.0).under(SAMPLING);
+        shadow_contrast: f32 = 0.2, number(0.0, 1.0).under(SAMPLING);
     } with {
         /// Parameters of the techniques.
         shadow_settings: ShadowSettings;
