@@ -2,7 +2,8 @@
 //!
 //! One frame: `transform` brings vertices to world space; `shadow maps` draws the scene's depth from every light;
 //! `shadow filter` makes the shadow technique's images of them; `gbuffer` draws what the camera sees; `points` lists
-//! the samples that are lit; `light` sums the lights there; `compose` makes every sample's radiance of the sums; `resolve` filters samples to pixels and tone-maps them.
+//! the samples that are lit and `light` sums the lights there, in turns; `compose` makes radiance of the sums, of a smooth pixel once, of an edge pixel sample by
+//! sample; `resolve` tone-maps it.
 
 pub mod ambient;
 mod batch_plan;

@@ -27,7 +27,8 @@ pub struct DecomposeArgs {
     #[command(flatten)]
     look: LookArgs<Fitted>,
 
-    /// Scene that the lights are for: in an interior they go to what comes in
+    /// Scene that the lights are for: those that it is drawn with, by default `optimized` ones; in an interior they go to what comes in, and
+    /// what arrives nowhere is left out
     #[arg(long, value_name = "SCENE", conflicts_with = "above_ground")]
     scene: Option<String>,
 
@@ -66,7 +67,11 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     if let Some(path) = &args.preview {
         output::check(path, &["png"])?;
     }
-    let mut asked = Fitted::defaults().fit;
+    // A scene gets the lights that it is drawn with.
+    let mut asked = match args.scene {
+        Some(_) => Look::default().fit,
+        None => Fitted::defaults().fit,
+    };
     args.look.given.apply(&mut asked);
     asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");

@@ -97,12 +97,16 @@ mod tests {
     use super::super::{FitOptions, by_name};
     use super::*;
 
-    /// A window about +x.
+    /// A window about +x; a quarter of the receivers that see its half towards +z see the other half.
     fn window() -> Arrival {
         let arrives: Vec<f64> = (0..Arrival::DIRECTIONS)
             .map(|index| {
                 let towards = Arrival::direction(index, Vec2::splat(0.5)).normalize();
-                if towards.x > 0.9 { 1.0 } else { 0.0 }
+                match towards.x > 0.9 {
+                    true if towards.z > 0.0 => 1.0,
+                    true => 0.25,
+                    false => 0.0,
+                }
             })
             .collect();
         Arrival::of_interior(&arrives, &vec![1.0; Arrival::DIRECTIONS]).unwrap()
@@ -142,6 +146,12 @@ mod tests {
             // The light of the window is the map's, not what a weight has left of it, and with it that of two texels around at most.
             let flux = within(&seen).iter().sum::<glam::DVec3>().y / (0.1 * std::f64::consts::TAU);
             assert!((0.95..2.0).contains(&flux), "{method}: {flux}");
+            let side = |sign: f32| {
+                let lights =
+                    seen.iter().filter(|light| light.direction.x > 0.85 && sign * light.direction.z > 0.0);
+                lights.map(|light| light.flux().y).sum::<f64>()
+            };
+            assert!((0.75..1.3).contains(&(side(-1.0) / side(1.0))), "{method}: {}", side(-1.0) / side(1.0));
         }
     }
 }
