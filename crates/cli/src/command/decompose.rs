@@ -96,11 +96,12 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
         Some(path) => {
             output::write_text(path, &lights.to_json())?;
             let share = 100.0 * (1.0 - lights.flux_shares().residual);
-            terminal.note(&format!(
-                "{} {} carry {share:.1} % of the environment's flux",
-                lights.lights.len(),
-                lights.method
-            ));
+            let of = match lights.omits_hidden {
+                true => "what arrives in the scene",
+                false => "the environment's flux",
+            };
+            let count = lights.lights.len();
+            terminal.note(&format!("{count} {} carry {share:.1} % of {of}", lights.method));
             Ok(())
         }
         None => Ok(print(&lights.to_json())?),
