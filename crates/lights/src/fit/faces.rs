@@ -51,9 +51,9 @@ pub(super) struct TexelRect {
 }
 
 impl Faces {
-    /// The map's flux on faces of `size` x `size` texels. A texel's radiance is the mean over a dense regular grid of
-    /// directions; each channel is then scaled, by next to nothing, to the map's flux. A map turned by a quarter about
-    /// +y gives the same texels, turned.
+    /// The map's flux on faces of `size` x `size` texels, by a dense regular grid of directions: a sun keeps its flux wherever it lies
+    /// among the texels, and an even map is even. Each channel is then scaled, by next to nothing, to the map's flux. A map turned by a
+    /// quarter about +y gives the same texels, turned.
     pub(super) fn new(map: &Equirect, size: usize) -> Self {
         let edge = |index: usize| 2.0 * index as f64 / size as f64 - 1.0;
         let solid_angle: Vec<f64> = (0..size * size)
@@ -63,18 +63,14 @@ impl Faces {
             })
             .collect();
         let sums = sampled(map, size);
+        let sampled_area = sums.iter().map(|sum| sum.moments.area[0]).sum::<f64>();
+        let unit = 4.0 * std::f64::consts::PI / sampled_area;
         let texels =
             |face: usize| sums[face * size * size..(face + 1) * size * size].iter().zip(&solid_angle);
-        let scale =
-            |sum: &TexelSum, sr: f64| if sum.moments.area[0] > 0.0 { sr / sum.moments.area[0] } else { 0.0 };
-        let mut flux: [Vec<DVec3>; 6] = std::array::from_fn(|face| {
-            texels(face).map(|(sum, sr)| sum.radiance * scale(sum, *sr)).collect()
-        });
-        let moments = std::array::from_fn(|face| {
-            texels(face)
-                .map(|(sum, sr)| sum.moments.combined(scale(sum, *sr), &Moments::default(), 0.0))
-                .collect()
-        });
+        let mut flux: [Vec<DVec3>; 6] =
+            std::array::from_fn(|face| texels(face).map(|(sum, sr)| sum.flux(unit, *sr)).collect());
+        let moments =
+            std::array::from_fn(|face| texels(face).map(|(sum, sr)| sum.moments(unit, *sr)).collect());
         let (wanted, sampled) = (map.flux(), flux.iter().flatten().sum::<DVec3>());
         let scale = DVec3::select(sampled.cmpgt(DVec3::ZERO), wanted / sampled, DVec3::ONE);
         flux.iter_mut().flatten().for_each(|texel| *texel *= scale);
@@ -152,11 +148,54 @@ impl TexelRect {
 }
 
 /// Sums over the samples of one texel, up to a factor common to all.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct TexelSum {
     /// Radiance times solid angle.
     radiance: DVec3,
     moments: Moments,
+    /// The least radiance of any sample.
+    least: DVec3,
+}
+
+impl TexelSum {
+    const EMPTY: Self = Self {
+        radiance: DVec3::ZERO,
+        moments: Moments { light: [0.0; 5], area: [0.0; 5] },
+        least: DVec3::INFINITY,
+    };
+
+    fn combined(&self, other: &Self) -> Self {
+        Self {
+            radiance: self.radiance + other.radiance,
+            moments: self.moments.combined(1.0, &other.moments, 1.0),
+            least: self.least.min(other.least),
+        }
+    }
+
+    /// The factor that makes the area of the samples the texel's solid angle `sr`.
+    fn area_scale(&self, sr: f64) -> f64 {
+        if self.moments.area[0] > 0.0 { sr / self.moments.area[0] } else { 0.0 }
+    }
+
+    /// Flux [radiance x sr], `unit` being the solid angle of a sample of weight 1. What all samples have in common counts by the texel's
+    /// own solid angle `sr`, since a few samples more or less fall within it; what some have more counts by theirs, so that no part of a
+    /// sun is lost or counted twice.
+    fn flux(&self, unit: f64, sr: f64) -> DVec3 {
+        let area = self.moments.area[0];
+        if area > 0.0 { unit * self.radiance + self.least * (sr - unit * area) } else { DVec3::ZERO }
+    }
+
+    /// The same for the moments.
+    fn moments(&self, unit: f64, sr: f64) -> Moments {
+        let scale = self.area_scale(sr);
+        let least = if scale > 0.0 { luminance(self.least) } else { 0.0 };
+        Moments {
+            light: std::array::from_fn(|i| {
+                unit * self.moments.light[i] + least * (scale - unit) * self.moments.area[i]
+            }),
+            area: self.moments.area.map(|moment| scale * moment),
+        }
+    }
 }
 
 /// Samples of the map in every texel of six faces, one face after the other.
@@ -177,13 +216,14 @@ fn sampled(map: &Equirect, size: usize) -> Vec<TexelSum> {
     });
     let polar = |row: usize| std::f64::consts::PI * row as f64 / (height * per_row) as f64;
     let band = |rows: std::ops::Range<usize>| -> Vec<TexelSum> {
-        let mut sums = vec![TexelSum::default(); 6 * size * size];
+        let mut sums = vec![TexelSum::EMPTY; 6 * size * size];
         for row in rows {
             let (sin, cos) = polar(row).midpoint(polar(row + 1)).sin_cos();
             let texels = &map.radiance().texels()[row / per_row * width..][..width];
             for (texel, azimuths) in texels.iter().zip(azimuths.chunks_exact(per_column)) {
                 // Solid angle of the sample, up to a factor common to all.
-                let weighted = texel.as_dvec3() * sin;
+                let radiance = texel.as_dvec3();
+                let weighted = radiance * sin;
                 let light = luminance(weighted);
                 for [sin_phi, cos_phi] in azimuths {
                     let d = DVec3::new(sin * sin_phi, cos, -sin * cos_phi);
@@ -201,6 +241,7 @@ fn sampled(map: &Equirect, size: usize) -> Vec<TexelSum> {
                     let cell = |at: f64| ((0.5 * (at + 1.0) * size as f64) as usize).min(size - 1);
                     let sum = &mut sums[(face * size + cell(t)) * size + cell(s)];
                     sum.radiance += weighted;
+                    sum.least = sum.least.min(radiance);
                     for (i, power) in [1.0, s, t, s * s, t * t].into_iter().enumerate() {
                         sum.moments.light[i] += light * power;
                         sum.moments.area[i] += sin * power;
@@ -215,12 +256,7 @@ fn sampled(map: &Equirect, size: usize) -> Vec<TexelSum> {
     let edge = |index: usize| index * rows / BANDS;
     let bands: Vec<Vec<TexelSum>> = (0..BANDS).into_par_iter().map(|i| band(edge(i)..edge(i + 1))).collect();
     (0..6 * size * size)
-        .map(|texel| {
-            bands.iter().fold(TexelSum::default(), |sum, band| TexelSum {
-                radiance: sum.radiance + band[texel].radiance,
-                moments: sum.moments.combined(1.0, &band[texel].moments, 1.0),
-            })
-        })
+        .map(|texel| bands.iter().fold(TexelSum::EMPTY, |sum, band| sum.combined(&band[texel])))
         .collect()
 }
 
@@ -282,6 +318,28 @@ mod tests {
                     "{width} {face} {texel}: {radiance} {expected}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn a_sun_keeps_its_flux_and_its_place() {
+        for column in [70, 201, 299, 615] {
+            let sun = |x: u32, y: u32| (x == column || x == column + 1) && y == 84;
+            let map = Equirect::new(RgbImage::from_fn(1024, 512, |x, y| {
+                Vec3::splat(if sun(x, y) { 5e4 } else { 0.5 })
+            }));
+            let faces = Faces::new(&map, 64);
+            let wanted = 2.0 * (5e4 - 0.5) * map.texel_solid_angle(84);
+            let mut sum = (0.0, 0.0);
+            for (flux, (sr, moments)) in
+                (0..6).flat_map(|i| faces.flux[i].iter().zip(faces.solid_angle.iter().zip(&faces.moments[i])))
+            {
+                if flux.x > 0.6 * sr {
+                    sum = (sum.0 + flux.x - 0.5 * sr, sum.1 + moments.light[0] - 0.5 * sr);
+                }
+            }
+            assert!((sum.0 / wanted - 1.0).abs() < 1e-4, "{column}: {}", sum.0 / wanted);
+            assert!((sum.1 / wanted - 1.0).abs() < 2e-4, "{column}: {}", sum.1 / wanted);
         }
     }
 
