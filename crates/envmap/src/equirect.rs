@@ -78,9 +78,14 @@ impl Equirect {
         let (x, y) = (uv.x * self.width() as f32 - 0.5, uv.y * self.height() as f32 - 0.5);
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
-        let (x0, y0) = (x0 as i64, y0 as i64);
-        let row = |y: i64| self.wrapped(x0, y).lerp(self.wrapped(x0 + 1, y), fx);
-        row(y0).lerp(row(y0 + 1), fy)
+        self.between(x0 as i64, y0 as i64, Vec2::new(fx, fy))
+    }
+
+    /// The same at `fraction` of the way from the middle of a texel to that of the next one to the right and below; columns and rows may
+    /// lie past the edges by less than the map's size.
+    pub fn between(&self, column: i64, row: i64, fraction: Vec2) -> Vec3 {
+        let along = |y: i64| self.wrapped(column, y).lerp(self.wrapped(column + 1, y), fraction.x);
+        along(row).lerp(along(row + 1), fraction.y)
     }
 
     fn wrapped(&self, x: i64, y: i64) -> Vec3 {

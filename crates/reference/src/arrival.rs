@@ -10,7 +10,7 @@ use crate::traced_scene::TracedScene;
 use crate::{Ray, ReferenceError, camera_ray};
 
 /// Places of the picture that receivers are seen at.
-const RECEIVERS: UVec2 = UVec2::new(16, 12);
+const RECEIVERS: UVec2 = UVec2::new(32, 24);
 /// A receiver looks in one of so many directions, each another part of them.
 const PARTS: usize = 4;
 /// Where rays begin and end.

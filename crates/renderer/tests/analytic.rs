@@ -376,6 +376,35 @@ fn a_surface_hides_light_below_it_from_its_own_shading_normals() {
     }
 }
 
+/// A tower far away fills much of the cone towards the light, but a low wall hides all of it: the penumbra is not the tower's.
+#[test]
+fn a_low_wall_hides_a_wide_light_in_front_of_a_tower() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let ground = horizontal(Vec2::new(-8.0, -4.0), Vec2::new(4.0, 4.0), 0.0);
+    let upright = |x: f32, height: f32, [from, to]: [f32; 2]| {
+        let mut wall = horizontal(Vec2::new(0.0, from), Vec2::new(height, to), 0.0);
+        wall.positions.iter_mut().for_each(|p| *p = Vec3::new(x, p.x, p.z));
+        wall.normals.fill(Vec3::X);
+        wall
+    };
+    let scene =
+        scene_of(vec![ground, upright(0.0, 1.0, [-2.0, 2.0]), upright(-6.0, 8.0, [0.1, 3.0])], edge::white());
+    let (sin, cos) = 30_f32.to_radians().sin_cos();
+    let set = one_disk(Vec3::new(-cos, sin, 0.0), 15_f32.to_radians());
+    let camera = Camera {
+        projection: Projection::Orthographic { half_width: 0.15 },
+        ..Camera::look_at(Vec3::new(0.25, 0.9, 0.0), Vec3::new(0.25, 0.0, 0.001), 1.0)
+    };
+    let row = |shadows: &str| -> Vec<f32> {
+        let frame = render(&gpu, edge::settings(shadows), &scene, &no_light(), &set, &camera, [32, 32]);
+        (0..32).map(|x| frame.radiance.get(x, 16).x).collect()
+    };
+    let (found, open) = (row("pcss"), row("none"));
+    let leak = found.iter().zip(&open).map(|(found, open)| found / open).fold(0.0, f32::max);
+    println!("{leak:.4} of the light");
+    assert!(leak <= tolerances::LIGHT_LEAK, "{leak} in {found:?}");
+}
+
 #[test]
 fn a_wall_that_stands_on_a_ground_is_lit_down_to_its_foot() {
     let Some(gpu) = gpu_or_skip() else { return };

@@ -10,23 +10,96 @@
 @group(GROUP_SHADOW) @binding(1) var depth_maps: texture_depth_2d_array;
 @group(GROUP_SHADOW) @binding(2) var lit_if_nearer: sampler_comparison;
 
+// Blockers are also looked for in narrower cones, this share of the whole one and less: what is near to the receiver fills little of the whole
+// cone, but may hide all of the light.
+const NEAR: f32 = 0.4;
+const NEAREST: f32 = 0.02;
+// Blockers up to so many times as far as the near ones are on average count among them.
+const NEAR_REACH: f32 = 2.5;
+// What is seen of the near ones in so small a share of their kernel tells nothing.
+const LEAST_TOLD: f32 = 0.1;
+
+// Linear depth of what the map holds `offset` uv beside a receiver.
+fn map_depth(light: u32, receiver: vec4f, offset: vec2f) -> f32 {
+    let size = vec2i(textureDimensions(depth_maps));
+    // The map's margin is empty, so that clamping to it finds nothing.
+    let texel = clamp(vec2i((receiver.xy + offset) * vec2f(size)), vec2i(0), size - 1);
+    return textureLoad(depth_maps, texel, light, 0);
+}
+
 // Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
 fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {
     let scale = footprint_scale_uv(light, receiver.w, 0.0);
-    let size = vec2i(textureDimensions(depth_maps));
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0u; i < parameters.search_samples; i++) {
         let offset = scale * outline_point(outline, i, parameters.search_samples);
-        // The map's margin is empty, so that clamping to it finds nothing.
-        let texel = clamp(vec2i((receiver.xy + offset) * vec2f(size)), vec2i(0), size - 1);
-        let z = textureLoad(depth_maps, texel, light, 0);
+        let z = map_depth(light, receiver, offset);
         if z < receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias {
             sum += z;
             count += 1.0;
         }
     }
     return vec2f(sum / max(count, 1.0), count);
+}
+
+// The same of blockers near to the receiver: each sample in a narrower cone than the one before, of what lies within that cone's share of the
+// way to the near plane.
+fn near_blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {
+    let scale = footprint_scale_uv(light, receiver.w, 0.0);
+    let samples = max(parameters.search_samples / 2u, 1u);
+    let step = pow(NEAREST / NEAR, 1.0 / f32(samples));
+    var share = NEAR;
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0u; i < samples; i++) {
+        let offset = share * scale * outline_point(outline, i, samples);
+        let z = map_depth(light, receiver, offset);
+        if z >= receiver.w * (1.0 - share) && z < receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias {
+            sum += z;
+            count += 1.0;
+        }
+        share *= step;
+    }
+    return vec2f(sum / max(count, 1.0), count);
+}
+
+// A receiver, and the light's outline as it sees it.
+struct Seen {
+    light: u32,
+    outline: Outline,
+    outline_seen: mat3x3f,
+    receiver: vec4f,
+    gradient: vec2f,
+    normal_world: vec3f,
+    n: vec3f,
+}
+
+// Share of the light that blockers behind the depth `front` leave, as if all lay at the depth `z`. Where others hide them, they are taken to be
+// as dense as where they are seen.
+fn share_left(seen: Seen, samples: u32, z: f32, front: f32) -> f32 {
+    let scale = footprint_scale_uv(seen.light, seen.receiver.w, z);
+    var lit = 0.0;
+    var told = 0.0;
+    var weights = 0.0;
+    for (var i = 0u; i < samples; i++) {
+        let point = outline_point(seen.outline, i, samples);
+        let weight = irradiance_weight(seen.outline_seen, seen.n, point);
+        let offset = scale * point;
+        let uv = seen.receiver.xy + offset;
+        let d = receiver_plane_depth(seen.receiver, seen.gradient, offset) - parameters.depth_bias;
+        weights += weight;
+        if front > 0.0 {
+            told += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, min(front, d));
+        }
+        if !is_behind_surface(seen.outline_seen, seen.normal_world, point) {
+            lit += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, d);
+        }
+    }
+    if front > 0.0 {
+        return select(lit / max(told, 1e-9), 1.0, told < LEAST_TOLD * weights);
+    }
+    return lit / max(weights, 1e-9);
 }
 
 fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
@@ -42,20 +115,15 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     if blockers.y == 0.0 {
         return 1.0;
     }
-    let scale = footprint_scale_uv(light, receiver.w, blockers.x);
-    let outline_seen = outline_from(light, position_world);
-    var lit = 0.0;
-    var weights = 0.0;
-    for (var i = 0u; i < parameters.filter_samples; i++) {
-        let point = outline_point(outline, i, parameters.filter_samples);
-        let weight = irradiance_weight(outline_seen, n, point);
-        weights += weight;
-        if is_behind_surface(outline_seen, normal_world, point) {
-            continue;
-        }
-        let offset = scale * point;
-        let d = receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias;
-        lit += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, d);
+    let seen = Seen(light, outline, outline_from(light, position_world), receiver, gradient, normal_world, n);
+    let left = share_left(seen, parameters.filter_samples, blockers.x, 0.0);
+    if left == 0.0 {
+        return 0.0;
     }
-    return lit / max(weights, 1e-9);
+    let near = near_blocker_search(light, outline, receiver, gradient);
+    if near.y == 0.0 {
+        return left;
+    }
+    let front = max(receiver.w - NEAR_REACH * (receiver.w - near.x), 1e-6);
+    return min(left, share_left(seen, max(parameters.filter_samples / 2u, 1u), near.x, front));
 }

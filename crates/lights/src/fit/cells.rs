@@ -380,7 +380,8 @@ mod tests {
         let centre: DVec3 = sun.iter().map(|light| light.flux().x * light.direction.as_dvec3()).sum();
         let texel = map.texel_solid_angle(row);
         assert!((0.99..1.01).contains(&(flux / (1e5 * texel))), "{}", flux / texel);
-        assert!((0.7..1.4).contains(&(solid_angle / texel)), "{}", solid_angle / texel);
+        // Between texels radiance is bilinear: what one texel has spreads over its neighbours.
+        assert!((1.4..2.8).contains(&(solid_angle / texel)), "{}", solid_angle / texel);
         let off = centre.as_vec3().angle_between(towards) / (TAU / 256.0);
         assert!(off < 0.1, "{off} of a texel");
         assert!(sun.len() <= 4, "{}", sun.len());

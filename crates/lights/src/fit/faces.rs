@@ -51,7 +51,7 @@ pub(super) struct TexelRect {
 }
 
 impl Faces {
-    /// The map's flux on faces of `size` x `size` texels, by a dense regular grid of directions: a sun keeps its flux wherever it lies
+    /// The map's flux on faces of `size` x `size` texels, by a dense regular grid of bilinear lookups: a sun keeps its flux wherever it lies
     /// among the texels, and an even map is even. Each channel is then scaled, by next to nothing, to the map's flux. A map turned by a
     /// quarter about +y gives the same texels, turned.
     pub(super) fn new(map: &Equirect, size: usize) -> Self {
@@ -219,33 +219,32 @@ fn sampled(map: &Equirect, size: usize) -> Vec<TexelSum> {
         let mut sums = vec![TexelSum::EMPTY; 6 * size * size];
         for row in rows {
             let (sin, cos) = polar(row).midpoint(polar(row + 1)).sin_cos();
-            let texels = &map.radiance().texels()[row / per_row * width..][..width];
-            for (texel, azimuths) in texels.iter().zip(azimuths.chunks_exact(per_column)) {
+            let (above, down) = between_texels(row, per_row);
+            for (column, [sin_phi, cos_phi]) in azimuths.iter().enumerate() {
+                let (left, right) = between_texels(column, per_column);
+                let radiance = map.between(left, above, Vec2::new(right, down)).as_dvec3();
                 // Solid angle of the sample, up to a factor common to all.
-                let radiance = texel.as_dvec3();
                 let weighted = radiance * sin;
                 let light = luminance(weighted);
-                for [sin_phi, cos_phi] in azimuths {
-                    let d = DVec3::new(sin * sin_phi, cos, -sin * cos_phi);
-                    let a = d.abs();
-                    let face = if a.y >= a.x.max(a.z) {
-                        2 + usize::from(d.y < 0.0)
-                    } else if a.x >= a.z {
-                        usize::from(d.x < 0.0)
-                    } else {
-                        4 + usize::from(d.z < 0.0)
-                    };
-                    let [right, down, forward] = &axes[face];
-                    let depth = d.dot(*forward).recip();
-                    let (s, t) = (d.dot(*right) * depth, d.dot(*down) * depth);
-                    let cell = |at: f64| ((0.5 * (at + 1.0) * size as f64) as usize).min(size - 1);
-                    let sum = &mut sums[(face * size + cell(t)) * size + cell(s)];
-                    sum.radiance += weighted;
-                    sum.least = sum.least.min(radiance);
-                    for (i, power) in [1.0, s, t, s * s, t * t].into_iter().enumerate() {
-                        sum.moments.light[i] += light * power;
-                        sum.moments.area[i] += sin * power;
-                    }
+                let d = DVec3::new(sin * sin_phi, cos, -sin * cos_phi);
+                let a = d.abs();
+                let face = if a.y >= a.x.max(a.z) {
+                    2 + usize::from(d.y < 0.0)
+                } else if a.x >= a.z {
+                    usize::from(d.x < 0.0)
+                } else {
+                    4 + usize::from(d.z < 0.0)
+                };
+                let [right, down, forward] = &axes[face];
+                let depth = d.dot(*forward).recip();
+                let (s, t) = (d.dot(*right) * depth, d.dot(*down) * depth);
+                let cell = |at: f64| ((0.5 * (at + 1.0) * size as f64) as usize).min(size - 1);
+                let sum = &mut sums[(face * size + cell(t)) * size + cell(s)];
+                sum.radiance += weighted;
+                sum.least = sum.least.min(radiance);
+                for (i, power) in [1.0, s, t, s * s, t * t].into_iter().enumerate() {
+                    sum.moments.light[i] += light * power;
+                    sum.moments.area[i] += sin * power;
                 }
             }
         }
@@ -258,6 +257,13 @@ fn sampled(map: &Equirect, size: usize) -> Vec<TexelSum> {
     (0..6 * size * size)
         .map(|texel| bands.iter().fold(TexelSum::EMPTY, |sum, band| sum.combined(&band[texel])))
         .collect()
+}
+
+/// Of a sample, `per_texel` of which lie along a texel: the texel whose middle comes before it, and the part of the way to the next one.
+fn between_texels(sample: usize, per_texel: usize) -> (i64, f32) {
+    let place = (2 * (sample % per_texel) + 1) as f32 / (2 * per_texel) as f32 - 0.5;
+    let before = place < 0.0;
+    ((sample / per_texel) as i64 - i64::from(before), place + f32::from(before))
 }
 
 /// Bands of rows that are sampled side by side.
