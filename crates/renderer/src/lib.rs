@@ -39,6 +39,7 @@ pub mod shadow;
 #[cfg(test)]
 mod twins;
 pub mod unshadowed;
+mod view_slices;
 
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;

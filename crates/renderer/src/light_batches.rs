@@ -16,6 +16,7 @@ use crate::shadow::depth_maps::DepthMaps;
 use crate::shadow::technique::{
     BatchSize, FrameInputs, FrameLights, ShadowContext, ShadowResources, ShadowTechnique, SharedPasses,
 };
+use crate::view_slices::ViewSlices;
 use crate::{Gpu, RenderError, TechniqueSettings};
 
 /// All lights of a frame in batches, planned for a number of shading points.
@@ -26,6 +27,11 @@ pub(crate) struct LightBatches {
     /// Room for shading points that was planned for; `None` where it makes no difference.
     points: Option<u64>,
     fitting: LightFitting,
+    /// Places in the frame's list of lights that shine on each slice of the view by themselves.
+    sliced: Vec<usize>,
+    /// How many slices are planned for, and those that lights are fitted to.
+    slice_count: usize,
+    slices: ViewSlices,
     sum_scales: Vec3,
     /// Whether lights, scene or pose are others than those that batches are fitted to.
     is_stale: bool,
@@ -75,7 +81,7 @@ pub(crate) struct LitScene<'a> {
 }
 
 impl LightBatches {
-    /// Batches for the lights of `lighting` and the scene, summed at points with so much room.
+    /// Batches for the lights of `lighting` and the scene, summed at points with so much room, in a view of so many slices.
     ///
     /// # Errors
     /// [`RenderError::OverBudget`] or [`RenderError::OverLimit`] where not even one light fits, [`RenderError::OutOfRange`] for a setting of the
@@ -84,13 +90,17 @@ impl LightBatches {
         context: &BatchContext<'_>,
         lighting: &Lighting,
         near_lights: &[PlacedLight],
-        points: u64,
+        (points, slice_count): (u64, usize),
     ) -> Result<Self, RenderError> {
         let BatchContext { gpu, shared, technique, settings, view } = *context;
         let shadow_settings = &settings.shadow_settings;
         // What is decided by the lights' sizes does not change as the environment turns.
-        let all = frame_lights(lighting.fitted(), near_lights);
+        let mut all = frame_lights(lighting.fitted(), near_lights);
         let total_flux = all.iter().map(FrameLight::flux).sum();
+        let sliced: Vec<usize> = (0..all.len())
+            .filter(|&place| technique.has_sharp_maps() && all[place].is_sharp(total_flux))
+            .collect();
+        add_slices(&mut all, &sliced, slice_count);
         let needs: Vec<LightNeeds> =
             all.iter().map(|light| light.needs(technique, settings, total_flux)).collect();
         let memory = |needs: LightNeeds| technique.memory(shadow_settings, needs.resolution);
@@ -139,6 +149,9 @@ impl LightBatches {
             bytes,
             points: by_pair.then_some(points),
             fitting: LightFitting::new(technique, settings),
+            sliced,
+            slice_count,
+            slices: ViewSlices::default(),
             sum_scales: Vec3::ONE,
             is_stale: true,
             is_refitted: false,
@@ -150,9 +163,10 @@ impl LightBatches {
         self.sum_scales
     }
 
-    /// Whether the plan holds for so much room for points.
-    pub fn is_planned_for(&self, points: u64) -> bool {
-        self.points.is_none_or(|planned| (points..=2 * points).contains(&planned))
+    /// Whether the plan holds for so much room for points and so many slices of the view.
+    pub fn is_planned_for(&self, points: u64, slice_count: usize) -> bool {
+        let has_slices = self.sliced.is_empty() || slice_count <= self.slice_count;
+        has_slices && self.points.is_none_or(|planned| (points..=2 * points).contains(&planned))
     }
 
     /// GPU memory of what the technique keeps, in bytes.
@@ -170,9 +184,9 @@ impl LightBatches {
         self.classes.first().map(|class| class.shadows.layout())
     }
 
-    /// Number of lights.
+    /// Number of lights, each counted once.
     pub fn light_count(&self) -> usize {
-        self.sizes().sum::<u32>() as usize
+        self.sizes().sum::<u32>() as usize - (self.slice_count - 1) * self.sliced.len()
     }
 
     /// Number of lights in every batch.
@@ -210,22 +224,25 @@ impl LightBatches {
         self.is_stale = true;
     }
 
-    /// Fits every light around the scene as it stands, unless nothing has moved since.
+    /// Fits every light around the scene as it stands and what is seen of it, unless nothing has moved since.
     pub fn fit(
         &mut self,
         gpu: &Gpu,
         (lighting, near_lights): (&Lighting, &[PlacedLight]),
-        geometry: &Geometry,
+        (geometry, slices): (&Geometry, ViewSlices),
         only: Option<usize>,
     ) {
-        self.is_refitted = std::mem::take(&mut self.is_stale);
+        let moved = !self.sliced.is_empty() && self.slices != slices;
+        self.is_refitted = std::mem::take(&mut self.is_stale) || moved;
         if !self.is_refitted {
             return;
         }
-        let all = frame_lights([&lighting.lights, &lighting.probes], near_lights);
+        self.slices = slices;
+        let mut all = frame_lights([&lighting.lights, &lighting.probes], near_lights);
+        add_slices(&mut all, &self.sliced, self.slice_count);
         for batch in &mut self.batches {
             let LightNeeds { resolution, .. } = self.classes[batch.class].needs;
-            batch.fitted = self.fitting.fit(&all, &batch.members, resolution, geometry, only);
+            batch.fitted = self.fitting.fit(&all, &batch.members, resolution, (geometry, &self.slices), only);
             gpu.write(&batch.lights, batch.fitted.uniforms.as_slice());
         }
         self.sum_scales = sum_scales(self.batches.iter().flat_map(|batch| &batch.fitted.uniforms));
@@ -281,6 +298,17 @@ impl LightBatches {
             },
             same_lights: !(takes_turns || is_first_call || stage.lists_tiles() && self.is_refitted),
         }
+    }
+}
+
+/// Has some lights of a frame's list shine on the first slice only, and adds them for the others.
+fn add_slices(all: &mut Vec<FrameLight<'_>>, sliced: &[usize], slice_count: usize) {
+    for &place in sliced {
+        all[place] = all[place].for_slice(0);
+    }
+    for slice in 1..slice_count {
+        let of_slice: Vec<_> = sliced.iter().map(|&place| all[place].for_slice(slice)).collect();
+        all.extend(of_slice);
     }
 }
 

@@ -5,6 +5,7 @@ use gnomon_scene::Bounds;
 use gnomon_shaders::layout;
 
 use crate::casters::PlacedBoxes;
+use crate::view_slices::ViewSlice;
 
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
 pub(crate) const MARGIN_TEXELS: f32 = 2.0;
@@ -54,7 +55,7 @@ struct Extent {
 /// A plane such as a ground that has everything else on one side neither needs to be in the map to receive shadows nor, where
 /// the light shines on that side, to cast them: what lies outside the map is lit. That leaves the map's texels and depths
 /// to the models.
-fn extent(light: &DistantLight, scene: &PlacedBoxes) -> Extent {
+fn extent(light: &DistantLight, scene: &PlacedBoxes, seen: &ViewSlice) -> Extent {
     let mut held: Vec<Vec3> = Vec::new();
     let mut blocking = Vec::new();
     for place in &scene.boxes {
@@ -79,6 +80,18 @@ fn extent(light: &DistantLight, scene: &PlacedBoxes) -> Extent {
         let penumbra = penumbra.min(MAX_PENUMBRA_MARGIN * (max - min));
         min -= penumbra;
         max += penumbra;
+    }
+    if let Some(around) = seen.around {
+        // Receivers are what is seen; what blocks their light lies no farther beside them than half a penumbra.
+        let places = around.map(|p| Vec3::new(tangent.dot(p), bitangent.dot(p), 0.0));
+        let [low, high] = places.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], place| {
+            [low.min(*place), high.max(*place)]
+        });
+        let (front, back) = range_of(held.iter().map(|p| direction.dot(*p))).unwrap_or((0.0, 0.0));
+        let penumbra = (light.tan_half_extent() * (back - front)).extend(0.0);
+        let penumbra = penumbra.min(MAX_PENUMBRA_MARGIN * (high - low));
+        min = min.max(low - penumbra);
+        max = max.min(high + penumbra).max(min);
     }
 
     let depths = |axis: Vec3| {
@@ -122,10 +135,11 @@ fn range_of(values: impl Iterator<Item = f32>) -> Option<(f32, f32)> {
 pub(crate) fn light_uniform(
     light: &DistantLight,
     scene: &PlacedBoxes,
+    seen: &ViewSlice,
     resolution: u32,
     normal_offset_texels: f32,
 ) -> layout::Light {
-    let Extent { mut min, mut max, depth_axis } = extent(light, scene);
+    let Extent { mut min, mut max, depth_axis } = extent(light, scene, seen);
     let axes = [light.tangent, light.bitangent, depth_axis];
     if !(max - min).is_finite() {
         (min, max) = (Vec3::ZERO, Vec3::ONE);
@@ -178,6 +192,9 @@ pub(crate) fn light_uniform(
         half_extent: light.tan_half_extent(),
         role: layout::ROLE_LIGHT,
         caster_deviation_world: 0.0,
+        from_distance: seen.distance[0],
+        to_distance: seen.distance[1],
+        bias_scale: if seen.around.is_some() { (map_width / range).min(1.0) } else { 1.0 },
         vector_irradiance,
     }
 }
@@ -202,7 +219,7 @@ mod tests {
     #[test]
     fn the_whole_scene_lies_inside_the_map_and_nearer_points_are_shallower() {
         let light = DistantLight::disk(DVec3::new(0.3, 0.8, -0.5).normalize(), 0.1, DVec3::ONE);
-        let uniform = light_uniform(&light, &boxes(), 256, 1.0);
+        let uniform = light_uniform(&light, &boxes(), &ViewSlice::WHOLE, 256, 1.0);
         let light_from_world = uniform.light_from_world;
         for corner in boxes().corners() {
             let p = light_from_world.transform_point3(corner);
@@ -216,7 +233,7 @@ mod tests {
     #[test]
     fn a_scene_without_triangles_still_gives_a_finite_frame() {
         let light = DistantLight::disk(DVec3::Y, 0.1, DVec3::ONE);
-        let uniform = light_uniform(&light, &PlacedBoxes::default(), 64, 1.0);
+        let uniform = light_uniform(&light, &PlacedBoxes::default(), &ViewSlice::WHOLE, 64, 1.0);
         assert!(uniform.light_from_world.is_finite());
     }
 }

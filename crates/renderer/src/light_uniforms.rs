@@ -16,11 +16,17 @@ use crate::light_frame::{footprint, hidden_deviation, light_uniform};
 use crate::near_light_frame::near_light_uniform;
 use crate::shading_points::samplings;
 use crate::shadow::technique::ShadowTechnique;
+use crate::view_slices::{ViewSlice, ViewSlices};
 
 /// A light of the frame: the environment's, its probes, the scene's own.
 #[derive(Clone, Copy)]
 pub(crate) enum FrameLight<'a> {
-    Distant { light: &'a DistantLight, role: u32 },
+    /// `slice` is the number of the part of the view that it shines on, where that is not all.
+    Distant {
+        light: &'a DistantLight,
+        role: u32,
+        slice: Option<usize>,
+    },
     Near(&'a PlacedLight),
 }
 
@@ -29,7 +35,7 @@ pub(crate) fn frame_lights<'a>(
     [lights, probes]: [&'a [DistantLight]; 2],
     near: &'a [PlacedLight],
 ) -> Vec<FrameLight<'a>> {
-    let with = |role| move |light| FrameLight::Distant { light, role };
+    let with = |role| move |light| FrameLight::Distant { light, role, slice: None };
     let lights = lights.iter().map(with(layout::ROLE_LIGHT));
     let probes = probes.iter().map(with(layout::ROLE_PROBE));
     lights.chain(probes).chain(near.iter().map(FrameLight::Near)).collect()
@@ -39,10 +45,28 @@ impl FrameLight<'_> {
     /// Flux of a light of the environment, in luminance.
     pub fn flux(&self) -> f32 {
         match self {
-            Self::Distant { light, role: layout::ROLE_LIGHT } => {
+            Self::Distant { light, role: layout::ROLE_LIGHT, .. } => {
                 light.radiance.dot(LUMINANCE) * light.solid_angle
             }
             _ => 0.0,
+        }
+    }
+
+    /// Whether its shadows are sharp and its maps may therefore be larger.
+    pub fn is_sharp(&self, total_flux: f32) -> bool {
+        match self {
+            Self::Distant { light, role: layout::ROLE_LIGHT, .. } => {
+                is_sharp(footprint(light), self.flux() / total_flux.max(f32::MIN_POSITIVE))
+            }
+            _ => false,
+        }
+    }
+
+    /// The same for a part of the view.
+    pub fn for_slice(&self, slice: usize) -> Self {
+        match *self {
+            Self::Distant { light, role, .. } => Self::Distant { light, role, slice: Some(slice) },
+            Self::Near(_) => *self,
         }
     }
 
@@ -57,9 +81,9 @@ impl FrameLight<'_> {
         let (resolution, is_sharp) = match self {
             Self::Distant { light, .. } => {
                 let most = if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
-                let (footprint, share) = (footprint(light), self.flux() / total_flux.max(f32::MIN_POSITIVE));
-                let resolution = settings.shadow_sizing.resolution(footprint, share, [usual, most]);
-                (resolution, is_sharp(footprint, share))
+                let share = self.flux() / total_flux.max(f32::MIN_POSITIVE);
+                let resolution = settings.shadow_sizing.resolution(footprint(light), share, [usual, most]);
+                (resolution, self.is_sharp(total_flux))
             }
             Self::Near(_) => (usual, true),
         };
@@ -101,11 +125,11 @@ impl LightFitting {
         all: &[FrameLight<'_>],
         members: &[usize],
         resolution: u32,
-        geometry: &Geometry,
+        (geometry, slices): (&Geometry, &ViewSlices),
         only: Option<usize>,
     ) -> FittedLights {
         let fitted = members.iter().filter_map(|&place| {
-            let (mut uniform, casters) = self.fitted(all.get(place)?, resolution, geometry);
+            let (mut uniform, casters) = self.fitted(all.get(place)?, resolution, geometry, slices);
             if only == Some(place) {
                 uniform.role = layout::ROLE_PROBE;
             }
@@ -120,11 +144,18 @@ impl LightFitting {
         light: &FrameLight<'_>,
         resolution: u32,
         geometry: &Geometry,
+        slices: &ViewSlices,
     ) -> (layout::Light, DrawnCasters) {
         let scene = &geometry.placed_boxes;
         let (mut uniform, wanted) = match *light {
-            FrameLight::Distant { light, role } => {
-                let uniform = light_uniform(light, scene, resolution, self.normal_offset_texels);
+            FrameLight::Distant { light, role, slice } => {
+                let seen = slice.map_or(Some(ViewSlice::WHOLE), |slice| slices.get(slice));
+                let Some(seen) = seen else {
+                    let uniform = light_uniform(light, scene, &ViewSlice::WHOLE, resolution, 0.0);
+                    let nowhere = layout::Light { role, to_distance: 0.0, ..uniform };
+                    return (nowhere, DrawnCasters { indices: Vec::new(), deviation_world: 0.0 });
+                };
+                let uniform = light_uniform(light, scene, &seen, resolution, self.normal_offset_texels);
                 let deviation_world =
                     hidden_deviation(light, &uniform, resolution, self.caster_deviation_texels);
                 let above = (!self.draws_grounds).then_some(light);

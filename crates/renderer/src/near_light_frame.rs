@@ -69,6 +69,9 @@ pub(crate) fn near_light_uniform(
         half_extent,
         role: layout::ROLE_LIGHT,
         caster_deviation_world: 0.0,
+        from_distance: 0.0,
+        to_distance: f32::MAX,
+        bias_scale: 1.0,
         vector_irradiance: Vec3::ZERO,
     }
 }

@@ -54,6 +54,8 @@ pub struct Renderer {
     world_from_environment: Quat,
     state: State,
     target: Option<Target>,
+    /// Slices that the view of the last frame had.
+    slice_count: usize,
     debug: Option<debug::Debug>,
     in_flight: FramesInFlight,
     view: wgpu::Buffer,
@@ -123,6 +125,7 @@ impl Renderer {
             surfaces: Vec::new(),
             world_from_environment: Quat::IDENTITY,
             target: None,
+            slice_count: 1,
             debug: None,
             in_flight: FramesInFlight::default(),
             view,

@@ -10,7 +10,7 @@ use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;
 use gnomon_lights::form_factor::rectangle_form_factor;
 use gnomon_lights::{DistantLight, FitOptions, LightSet, LightShape};
-use gnomon_metrics::penumbra;
+use gnomon_metrics::{compare, penumbra};
 use gnomon_picture::RgbImage;
 use gnomon_renderer::{RenderSettings, composite, shadow};
 use gnomon_scene::{Camera, Material, Mesh, Projection, Scene};
@@ -403,6 +403,26 @@ fn a_low_wall_hides_a_wide_light_in_front_of_a_tower() {
     let leak = found.iter().zip(&open).map(|(found, open)| found / open).fold(0.0, f32::max);
     println!("{leak:.4} of the light");
     assert!(leak <= tolerances::LIGHT_LEAK, "{leak} in {found:?}");
+}
+
+/// Sharp lights have maps of their own for what is near.
+#[test]
+fn the_shadow_of_a_small_thing_is_the_same_in_a_large_scene() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let set = one_disk(Vec3::new(0.3, 0.9, 0.2).normalize(), 0.25_f32.to_radians());
+    let camera = Camera::look_at(Vec3::new(0.0, 3.0, 4.0), Vec3::ZERO, 40_f32.to_radians());
+    let settings = RenderSettings::default().with(|s| s.techniques.compositing = "additive".to_owned());
+    let picture = |size: f32| {
+        let ground = horizontal(Vec2::splat(-size), Vec2::splat(size), 0.0);
+        let plate = horizontal(Vec2::splat(-0.25), Vec2::splat(0.25), 0.5);
+        // Behind the camera.
+        let far = horizontal(Vec2::new(-size, 0.9 * size), Vec2::splat(size), 0.5 * size);
+        let scene = scene_of(vec![ground, plate, far], edge::white());
+        render(&gpu, settings.clone(), &scene, &no_light(), &set, &camera, [160, 120]).radiance
+    };
+    let difference = compare(&picture(1000.0), &picture(10.0), None).unwrap().relative_rmse;
+    println!("off by {difference:.4}");
+    assert!(difference <= tolerances::LARGE_SCENE, "{difference}");
 }
 
 #[test]

@@ -7,6 +7,11 @@
 // Irradiance of a surface at `position_world` with the normal `n` per unit of the light's radiance [sr].
 fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
     if lights[light].kind == KIND_DISTANT {
+        // A parallel view has no slices.
+        let distance = distance(position_world, view.eye_world.xyz);
+        if distance < lights[light].from_distance || distance >= lights[light].to_distance {
+            return 0.0;
+        }
         if lights[light].shape == SHAPE_DISK {
             return disk_form_factor(n, lights[light].direction, lights[light].angular_radius);
         }

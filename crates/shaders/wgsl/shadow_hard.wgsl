@@ -25,5 +25,5 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
         return 1.0;
     }
     let stored = textureLoad(depth_maps, texel, light, 0);
-    return select(0.0, 1.0, projected_depth(light, receiver.z) - hard_parameters.depth_bias <= stored);
+    return select(0.0, 1.0, projected_depth(light, receiver.z) - lights[light].bias_scale * hard_parameters.depth_bias <= stored);
 }

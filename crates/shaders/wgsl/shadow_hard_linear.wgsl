@@ -14,5 +14,5 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
         return 1.0;
     }
     let z = textureLoad(depth_maps, texel, light, 0);
-    return select(1.0, 0.0, receiver.z - z > parameters.depth_bias);
+    return select(1.0, 0.0, receiver.z - z > lights[light].bias_scale * parameters.depth_bias);
 }

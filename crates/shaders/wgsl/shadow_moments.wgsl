@@ -31,7 +31,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     }
     let outline = lit_box(light, position_world, normal_world);
     let footprint = parameters.footprint_scale * length(outline.half_extent) / sqrt(6.0 * LOOKUP_VARIANCE);
-    let d = receiver.z - parameters.depth_bias;
+    let d = receiver.z - lights[light].bias_scale * parameters.depth_bias;
 
     let search_scale = footprint_scale_uv(light, receiver.w, 0.0);
     let search_width = footprint * search_scale;

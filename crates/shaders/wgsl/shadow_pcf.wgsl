@@ -19,7 +19,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     var lit = 0.0;
     for (var i = 0u; i < parameters.samples; i++) {
         let offset = parameters.radius_uv * vogel_disk(i, parameters.samples, 0.0);
-        let d = receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias;
+        let d = receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias;
         lit += textureSampleCompareLevel(depth_maps, lit_if_nearer, receiver.xy + offset, light, d);
     }
     return lit / f32(parameters.samples);

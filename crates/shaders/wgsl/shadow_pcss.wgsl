@@ -35,7 +35,7 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
     for (var i = 0u; i < parameters.search_samples; i++) {
         let offset = scale * outline_point(outline, i, parameters.search_samples);
         let z = map_depth(light, receiver, offset);
-        if z < receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias {
+        if z < receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias {
             sum += z;
             count += 1.0;
         }
@@ -55,7 +55,7 @@ fn near_blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: 
     for (var i = 0u; i < samples; i++) {
         let offset = share * scale * outline_point(outline, i, samples);
         let z = map_depth(light, receiver, offset);
-        if z >= receiver.w * (1.0 - share) && z < receiver_plane_depth(receiver, gradient, offset) - parameters.depth_bias {
+        if z >= receiver.w * (1.0 - share) && z < receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias {
             sum += z;
             count += 1.0;
         }
@@ -87,7 +87,7 @@ fn share_left(seen: Seen, samples: u32, z: f32, front: f32) -> f32 {
         let weight = irradiance_weight(seen.outline_seen, seen.n, point);
         let offset = scale * point;
         let uv = seen.receiver.xy + offset;
-        let d = receiver_plane_depth(seen.receiver, seen.gradient, offset) - parameters.depth_bias;
+        let d = receiver_plane_depth(seen.receiver, seen.gradient, offset) - lights[seen.light].bias_scale * parameters.depth_bias;
         weights += weight;
         if front > 0.0 {
             told += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, min(front, d));
@@ -111,19 +111,18 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
     let outline = light_outline(light, fract(f32(light) * vec2f(0.7548777, 0.5698403)));
-    let blockers = blocker_search(light, outline, receiver, gradient);
-    if blockers.y == 0.0 {
-        return 1.0;
-    }
     let seen = Seen(light, outline, outline_from(light, position_world), receiver, gradient, normal_world, n);
-    let left = share_left(seen, parameters.filter_samples, blockers.x, 0.0);
-    if left == 0.0 {
-        return 0.0;
+    var left = 1.0;
+    let blockers = blocker_search(light, outline, receiver, gradient);
+    if blockers.y > 0.0 {
+        left = share_left(seen, parameters.filter_samples, blockers.x, 0.0);
     }
-    let near = near_blocker_search(light, outline, receiver, gradient);
-    if near.y == 0.0 {
-        return left;
+    if left > 0.0 {
+        let near = near_blocker_search(light, outline, receiver, gradient);
+        if near.y > 0.0 {
+            let front = max(receiver.w - NEAR_REACH * (receiver.w - near.x), 1e-6);
+            left = min(left, share_left(seen, max(parameters.filter_samples / 2u, 1u), near.x, front));
+        }
     }
-    let front = max(receiver.w - NEAR_REACH * (receiver.w - near.x), 1e-6);
-    return min(left, share_left(seen, max(parameters.filter_samples / 2u, 1u), near.x, front));
+    return left;
 }

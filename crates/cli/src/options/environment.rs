@@ -1,5 +1,6 @@
 use gnomon::envmap::{Equirect, builtin};
 use gnomon::options::Given;
+use gnomon::picture;
 use gnomon::studio::{self, Look, environment_named};
 use gnomon_terminal::Terminal;
 
@@ -20,7 +21,8 @@ pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result
 
 /// What an environment may be, for help texts.
 pub fn environment_help() -> String {
-    format!("Environment map (HDR or EXR), or a built-in one: {}", builtin_names())
+    let formats = picture::formats().iter().map(|format| format.extensions[0]).collect::<Vec<_>>();
+    format!("Environment map ({}), or a built-in one: {}", formats.join(", "), builtin_names())
 }
 
 /// Names of the built-in environments, for people.

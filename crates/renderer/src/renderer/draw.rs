@@ -15,6 +15,7 @@ use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
 use crate::settings::{Chosen, in_range};
 use crate::shading_points::{PointPlan, SumPlanes};
+use crate::view_slices::ViewSlices;
 
 impl Renderer {
     /// Draws one frame of `width` x `height` pixels and waits for it: [`Renderer::render_async`], waited for.
@@ -185,7 +186,8 @@ impl Renderer {
             self.target = Some(self.new_target(size, plan)?);
         }
         self.upload_changes();
-        self.fit_lights()?;
+        let slices = self.view_slices(camera, [width, height]);
+        self.fit_lights(slices)?;
         let State { chosen, compose, cache, lit } = &self.state;
         let (Some(lit), Some(target), settings) = (lit, &self.target, &chosen.settings) else {
             return Err(RenderError::Device("no lighting was set".to_owned()));
@@ -287,9 +289,10 @@ impl Renderer {
     }
 
     /// Plans batches anew where the target's points ask for it, and fits lights around the scene where anything moved.
-    fn fit_lights(&mut self) -> Result<(), RenderError> {
+    fn fit_lights(&mut self, slices: ViewSlices) -> Result<(), RenderError> {
         let room = self.room_for_points();
-        if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(room))
+        self.slice_count = slices.count();
+        if self.state.lit.as_ref().is_some_and(|lit| !lit.batches.is_planned_for(room, slices.count()))
             && let Some(lit) = self.relit()?
         {
             self.state.lit = Some(lit);
@@ -297,9 +300,18 @@ impl Renderer {
         if let Some(lit) = &mut self.state.lit {
             let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
             let lights = (&lit.lighting, self.near_lights.as_slice());
-            lit.batches.fit(&self.gpu, lights, &self.geometry, only);
+            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), only);
         }
         Ok(())
+    }
+
+    /// Slices of a picture's view; a debug view shows lights as one.
+    fn view_slices(&self, camera: &Camera, size: [u32; 2]) -> ViewSlices {
+        let resolution = self.settings().techniques.sharp_shadow_resolution;
+        match self.debug {
+            None => ViewSlices::new(camera, size, resolution, &self.geometry.placed_boxes),
+            Some(_) => ViewSlices::default(),
+        }
     }
 
     /// The lists of points for a picture of `size` pixels.

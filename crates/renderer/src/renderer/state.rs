@@ -73,7 +73,8 @@ impl Renderer {
             settings,
             view: &self.view,
         };
-        let batches = LightBatches::new(&context, &lighting, near_lights, self.room_for_points())?;
+        let batches =
+            LightBatches::new(&context, &lighting, near_lights, (self.room_for_points(), self.slice_count))?;
         let mut groups = vec![
             (layout::GROUP_FRAME, &passes.shared.frame),
             (layout::GROUP_SURFACE, &passes.gbuffer.read_layout),

@@ -173,6 +173,12 @@ super::structs! {
         pub role: u32,
         /// How far what is drawn into the map may deviate from the scene [m].
         pub caster_deviation_world: f32,
+        /// Distance from the eye from which on a distant light is this one [m]: in a large view it has others, with their own maps, elsewhere.
+        pub from_distance: f32,
+        /// Up to this one.
+        pub to_distance: f32,
+        /// What depths are compared with moves by so much of the technique's bias: a map may be small for its depths.
+        pub bias_scale: f32,
         /// Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
         pub vector_irradiance: Vec3,
     }
