@@ -14,6 +14,8 @@
 // cone, but may hide all of the light.
 const NEAR: f32 = 0.4;
 const NEAREST: f32 = 0.02;
+// Nothing counts as near whose penumbra would be narrower than so many texels, if the light were 90 degrees wide: a curved surface would hide itself.
+const LEAST_TEXELS: f32 = 2.0;
 // Blockers up to so many times as far as the near ones are on average count among them.
 const NEAR_REACH: f32 = 2.5;
 // What is seen of the near ones in so small a share of their kernel tells nothing.
@@ -47,6 +49,7 @@ fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f
 // way to the near plane.
 fn near_blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {
     let scale = footprint_scale_uv(light, receiver.w, 0.0);
+    let least = LEAST_TEXELS / f32(textureDimensions(depth_maps).x);
     let samples = max(parameters.search_samples / 2u, 1u);
     let step = pow(NEAREST / NEAR, 1.0 / f32(samples));
     var share = NEAR;
@@ -55,7 +58,8 @@ fn near_blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: 
     for (var i = 0u; i < samples; i++) {
         let offset = share * scale * outline_point(outline, i, samples);
         let z = map_depth(light, receiver, offset);
-        if z >= receiver.w * (1.0 - share) && z < receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias {
+        if z >= receiver.w * (1.0 - share) && footprint_scale_uv(light, receiver.w, z) >= least
+            && z < receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias {
             sum += z;
             count += 1.0;
         }
@@ -117,7 +121,10 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     if blockers.y > 0.0 {
         left = share_left(seen, parameters.filter_samples, blockers.x, 0.0);
     }
-    if left > 0.0 {
+    // A curved surface that the light grazes would be its own near blocker.
+    let n_dot_l = dot(normal_world, normalize(seen.outline_seen[0]));
+    let half_extent = box_half_extent(light) / select(length(seen.outline_seen[0]), 1.0, lights[light].kind == KIND_DISTANT);
+    if left > 0.0 && n_dot_l > 0.5 * max(half_extent.x, half_extent.y) {
         let near = near_blocker_search(light, outline, receiver, gradient);
         if near.y > 0.0 {
             let front = max(receiver.w - NEAR_REACH * (receiver.w - near.x), 1e-6);

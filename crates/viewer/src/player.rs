@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(240);
 /// Longest wait for the window system, which may refuse what it is asked for.
 const COURTESY: Duration = Duration::from_secs(5);
 /// Frames that a control has to come up.
-const FRAMES_TO_APPEAR: u32 = 40;
+const FRAMES_TO_APPEAR: u32 = 120;
 /// Steps of a drag.
 const DRAG_STEPS: u32 = 6;
 

@@ -1,12 +1,8 @@
 //! Shadows of surfaces that alpha cuts holes into.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
-
-mod common;
 
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::{Affine2, Vec2, Vec3};
 use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;

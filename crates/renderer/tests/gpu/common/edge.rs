@@ -1,9 +1,4 @@
 //! A straight edge over a ground: the penumbra has a closed form.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    reason = "a test fails by panicking; every test program uses its own part"
-)]
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use gnomon_brdf::Surface;

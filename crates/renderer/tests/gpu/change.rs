@@ -1,12 +1,8 @@
 //! Changes while running: all of one or nothing, and no more work than each needs.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured uploads are read with --nocapture")]
-
-mod common;
 
 use std::sync::Arc;
 
-use common::{constant_map, gpu_or_skip, one_disk};
+use crate::common::{constant_map, gpu_or_skip, one_disk};
 use glam::{Affine3A, Quat, Vec3};
 use gnomon_brdf::Model;
 use gnomon_envmap::Equirect;

@@ -1,10 +1,6 @@
 //! Animated models drawn in a pose, against the reference tracer in the same pose.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnomon_lights::FitOptions;
 use gnomon_metrics::compare;
 use gnomon_reference::ReferenceOptions;

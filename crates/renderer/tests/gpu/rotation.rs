@@ -1,9 +1,6 @@
 //! A turned environment: lights, coefficients and maps together.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
-mod common;
-
-use common::gpu_or_skip;
+use crate::common::gpu_or_skip;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::{Equirect, builtin};
 use gnomon_lights::LightSet;

@@ -1,7 +1,4 @@
 //! Frames by the asynchronous interface alone: nothing here waits for the GPU.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::pin::pin;
 use std::sync::Arc;
@@ -9,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll, Wake, Waker};
 use std::time::{Duration, Instant};
 
-use common::{constant_map, one_disk, scene_of, sphere};
+use crate::common::{constant_map, one_disk, scene_of, sphere};
 use glam::Vec3;
 use gnomon_renderer::wgpu::PollType;
 use gnomon_renderer::{Gpu, GpuOptions, RenderError, RenderSettings, Renderer};

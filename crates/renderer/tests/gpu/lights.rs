@@ -1,11 +1,8 @@
 //! Area lights in the scene: closed forms, and ray-traced truth.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_lights::LightSet;

@@ -1,10 +1,6 @@
 //! Scenes whose picture is known in closed form.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;

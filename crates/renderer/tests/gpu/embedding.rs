@@ -1,13 +1,10 @@
 //! A device that an embedding program brings along: shared, shown in a window, too weak, lost.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
-use common::{constant_map, gpu_or_skip, no_light, one_disk, scene_of, sphere};
+use crate::common::{constant_map, gpu_or_skip, no_light, one_disk, scene_of, sphere};
 use glam::Vec3;
 use gnomon_renderer::shadow::{self, VisibilityPath};
 use gnomon_renderer::wgpu::{self, TextureFormat, TextureUsages};

@@ -1,11 +1,8 @@
 //! Compositing rules on glossy surfaces under few lights: no pixel is negative or not finite, whatever a rule takes away.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::{Affine3A, Vec2, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_envmap::Equirect;

@@ -1,9 +1,6 @@
 //! Visibility as a stage: inline or through a buffer, and what the two hard shadow maps compare.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::{FitOptions, by_name};

@@ -1,9 +1,6 @@
 //! Debug views against what they must show by construction.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{constant_map, gpu_or_skip, horizontal, no_light, one_disk, scene_of, sphere};
+use crate::common::{constant_map, gpu_or_skip, horizontal, no_light, one_disk, scene_of, sphere};
 use glam::{Affine2, DVec3, Vec2, Vec3};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_renderer::debug_view::DEBUG_VIEWS;

@@ -1,11 +1,8 @@
 //! Reflectance models on the GPU: against the ray tracer, and edited while running.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::{DVec2, DVec3, Vec3};
 use gnomon_brdf::{Model, Surface};
 use gnomon_lights::{DistantLight, LightSet};

@@ -1,11 +1,7 @@
 //! Convolution shadows with every way of filtering, against closed forms, and what each of their parts does.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
-mod common;
-
-use common::edge::*;
-use common::*;
+use crate::common::edge::*;
+use crate::common::*;
 use glam::{Vec2, Vec3};
 use gnomon_lights::LightSet;
 use gnomon_metrics::penumbra;

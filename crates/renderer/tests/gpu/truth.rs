@@ -1,12 +1,8 @@
 //! Whole pictures against ray-traced truth: Mitsuba's, and the project's own reference tracer.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
-
-mod common;
 
 use std::path::Path;
 
-use common::*;
+use crate::common::*;
 use gnomon_envmap::Equirect;
 use gnomon_lights::{FitOptions, LightSet};
 use gnomon_metrics::compare;

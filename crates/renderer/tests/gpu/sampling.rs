@@ -1,11 +1,7 @@
 //! Shadow buffers with fewer samples than the picture.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
-mod common;
-
-use common::edge::white;
-use common::*;
+use crate::common::edge::white;
+use crate::common::*;
 use glam::{Vec2, Vec3};
 use gnomon_brdf::{Model, Surface};
 use gnomon_lights::FitOptions;

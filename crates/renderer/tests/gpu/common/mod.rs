@@ -1,9 +1,4 @@
 //! What the picture tests share.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    reason = "a test fails by panicking; every test program uses its own part"
-)]
 
 pub mod edge;
 

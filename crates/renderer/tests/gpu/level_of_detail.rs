@@ -1,10 +1,6 @@
 //! A live renderer whose level of detail changes, and a controller on real times.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured times are read with --nocapture")]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Affine3A, Mat3, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::{FitOptions, LightSet, fit};

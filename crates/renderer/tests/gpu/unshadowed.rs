@@ -1,10 +1,6 @@
 //! Unshadowed light against brute-force integration of the environment, for every reflectance model.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Mat3, Vec3};
 use gnomon_brdf::{Model, Surface};
 use gnomon_envmap::Equirect;

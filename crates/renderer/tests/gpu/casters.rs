@@ -1,10 +1,6 @@
 //! Simpler meshes in the shadow maps of wide lights.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnomon_envmap::Equirect;
 use gnomon_lights::{FitOptions, LightSet};
 use gnomon_metrics::compare;

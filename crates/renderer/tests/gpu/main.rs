@@ -1,0 +1,24 @@
+//! Everything that needs a GPU, as one program: it links once.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
+
+mod analytic;
+mod asynchronous;
+mod casters;
+mod change;
+mod common;
+mod compositing;
+mod debug_views;
+mod embedding;
+mod filters;
+mod level_of_detail;
+mod lights;
+mod masks;
+mod motion;
+mod reflectance;
+mod rivals;
+mod rotation;
+mod sampling;
+mod truth;
+mod unshadowed;
+mod visibility;
