@@ -105,6 +105,10 @@ const SCENES: &[Source] = &[
     Source { name: "glossy_horse", files: &["models/horse_48485v.ply"], stand_in: "column" },
     Source { name: "brainstem", files: &["models/BrainStem.glb"], stand_in: "column" },
     Source { name: "fox", files: &["models/Fox.glb"], stand_in: "three-boxes" },
+    Source { name: "fence", files: &["scenes/fence.glb"], stand_in: "three-boxes" },
+    Source { name: "shelf", files: &["scenes/shelf.glb"], stand_in: "three-boxes" },
+    Source { name: "tree", files: &["scenes/tree.glb"], stand_in: "column" },
+    Source { name: "plaza", files: &["scenes/plaza.glb"], stand_in: "column" },
     Source { name: "terrain", files: &[], stand_in: "terrain" },
 ];
 
@@ -120,6 +124,10 @@ const TRUTHS: &[(&str, &str, &str)] = &[
     ("three_boxes", "grace", "reference/three_boxes_grace.exr"),
     ("three_boxes", "galileo", "reference/three_boxes_galileo.exr"),
     ("bunny", "stpeters", "reference/bunny_flat_stpeters.exr"),
+    ("fence", "grace", "reference/fence_grace.exr"),
+    ("shelf", "grace", "reference/shelf_grace.exr"),
+    ("tree", "stpeters", "reference/tree_stpeters.exr"),
+    ("plaza", "galileo", "reference/plaza_galileo.exr"),
 ];
 
 /// The external test data, or its absence.

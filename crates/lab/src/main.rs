@@ -5,6 +5,7 @@
 //! returns a [`report::Section`]. [`timing::interleaved`] times rivals in turns, so that none has the machine for itself while another
 //! shares it, and every time stands beside an error against ray-traced truth.
 
+mod budget;
 mod columns;
 mod convolution;
 mod data;
@@ -59,6 +60,8 @@ enum Command {
     Convolution(suite::SuiteArgs),
     /// Make the evaluation of subtractive shadows (DeCoro and Rusinkiewicz 2008) again, and look for the best setting of all
     Subtractive(suite::SuiteArgs),
+    /// Measure what a frame's time buys, on scenes of which another renderer made pictures
+    Budget(suite::SuiteArgs),
     /// Measure what motion costs, and how long another environment takes
     Motion(suite::SuiteArgs),
 }
@@ -73,6 +76,7 @@ fn run(cli: &Cli) -> Result<(), LabError> {
         Command::Fits(args) => fits::run(args, terminal),
         Command::Convolution(args) => suite::run(&convolution::SUITE, args, terminal),
         Command::Subtractive(args) => suite::run(&subtractive::SUITE, args, terminal),
+        Command::Budget(args) => suite::run(&budget::SUITE, args, terminal),
         Command::Motion(args) => suite::run(&motion::SUITE, args, terminal),
     }
 }

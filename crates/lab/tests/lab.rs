@@ -40,6 +40,11 @@ fn every_subtractive_experiment_leaves_readable_files() {
 }
 
 #[test]
+fn every_budget_experiment_leaves_readable_files() {
+    check_suite("budget", &["scenes"], "1000 hard maps");
+}
+
+#[test]
 fn every_motion_experiment_leaves_readable_files() {
     check_suite("motion", &["animation", "environment"], "longest over median at rest");
 }
