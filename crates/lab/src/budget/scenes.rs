@@ -159,7 +159,7 @@ fn scene_mask(
     environment: &Environment,
     [width, height]: [u32; 2],
 ) -> Result<Mask, LabError> {
-    let lights = lab.lights("samples", Some(1), view, environment)?;
+    let lights = lab.lights("optimized", None, view, environment)?;
     let setup = Setup { view, map: &environment.map, lights: &lights, size: [width, height] };
     let unshadowed = RenderSettings::default().with(|s| {
         s.techniques.shadows = "none".to_owned();
