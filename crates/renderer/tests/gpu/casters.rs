@@ -8,7 +8,6 @@ use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderSettings};
 use gnomon_scene::Scene;
-use gnomon_scene_files::LoadOptions;
 use gnomon_testing::tolerances;
 
 fn fit(method: &str, count: usize, map: &Equirect) -> LightSet {
@@ -78,23 +77,16 @@ fn lights_without_width_see_every_triangle() {
 
 #[test]
 fn simpler_casters_are_as_near_to_mitsuba() {
-    let data = |name: &str| gnomon_testing::data_file(name);
-    let (Some(scene), Some(map), Some(truth)) = (
-        data("scenes/bunny_on_ground.glb"),
-        data("reference/env_stpeters_latlong_512x256.exr"),
-        data("reference/bunny_flat_stpeters.exr"),
-    ) else {
+    let Some((gpu, scene, camera, map, truth)) =
+        of_mitsuba("bunny_on_ground", "stpeters", "bunny_flat_stpeters")
+    else {
         return;
     };
-    let Some(gpu) = gpu_or_skip() else { return };
-    let scene = gnomon_scene_files::load(&scene, &LoadOptions::default()).unwrap().scene;
-    let map = gnomon_envmap::load(&map, None).unwrap().map;
-    let truth = gnomon_picture::read(&truth).unwrap().image;
     let set = fit("optimized", 48, &map);
     let error = |deviation| {
         let settings = RenderSettings::default().with(|s| s.techniques.caster_deviation = deviation);
         let size = [truth.width(), truth.height()];
-        let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], size);
+        let frame = render(&gpu, settings, &scene, &map, &set, &camera, size);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
     let [whole, simpler] = [0.0, RenderSettings::default().techniques.caster_deviation].map(error);

@@ -9,7 +9,6 @@ use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;
 use gnomon_renderer::{RenderError, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material, Projection, Scene};
-use gnomon_scene_files::LoadOptions;
 use gnomon_testing::tolerances;
 
 fn settings(shadow_sampling: u32) -> RenderSettings {
@@ -23,23 +22,15 @@ fn settings(shadow_sampling: u32) -> RenderSettings {
 
 #[test]
 fn a_sixteenth_of_the_samples_adds_little_error() {
-    let data = |name: &str| gnomon_testing::data_file(name);
-    let (Some(scene), Some(map), Some(truth)) = (
-        data("scenes/three_boxes.glb"),
-        data("reference/env_galileo_latlong_512x256.exr"),
-        data("reference/three_boxes_galileo.exr"),
-    ) else {
+    let Some((gpu, scene, camera, map, truth)) = of_mitsuba("three_boxes", "galileo", "three_boxes_galileo")
+    else {
         return;
     };
-    let Some(gpu) = gpu_or_skip() else { return };
-    let scene = gnomon_scene_files::load(&scene, &LoadOptions::default()).unwrap().scene;
-    let map = gnomon_envmap::load(&map, None).unwrap().map;
-    let truth = gnomon_picture::read(&truth).unwrap().image;
     let options = FitOptions { light_count: Some(60), ..Default::default() };
     let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
     let size = [truth.width(), truth.height()];
     let of = |settings: RenderSettings| {
-        let frame = render(&gpu, settings, &scene, &map, &set, &scene.cameras[0], size);
+        let frame = render(&gpu, settings, &scene, &map, &set, &camera, size);
         compare(&frame.radiance, &truth, None).unwrap().relative_rmse
     };
     let uniform = |shadow_sampling| {

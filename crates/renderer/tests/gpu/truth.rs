@@ -8,9 +8,7 @@ use gnomon_lights::{FitOptions, LightSet};
 use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
-use gnomon_renderer::{Gpu, RenderSettings};
-use gnomon_scene::{Camera, Scene};
-use gnomon_scene_files::LoadOptions;
+use gnomon_renderer::RenderSettings;
 use gnomon_testing::tolerances;
 
 /// The default, and the method of Annen et al. 2008.
@@ -22,27 +20,6 @@ fn fit(map: &Equirect) -> LightSet {
 
 fn fit_by(method: &str, options: FitOptions, map: &Equirect) -> LightSet {
     gnomon_lights::fit::by_name(method, &options).unwrap().fit(map).unwrap()
-}
-
-fn load(path: &Path) -> (Scene, Camera) {
-    let scene = gnomon_scene_files::load(path, &LoadOptions::default()).unwrap().scene;
-    let camera = scene.cameras[0].clone();
-    (scene, camera)
-}
-
-/// Scene, camera and environment of one of Mitsuba's pictures, and the picture; none where the data or an adapter are absent.
-fn of_mitsuba(
-    scene: &str,
-    environment: &str,
-    truth: &str,
-) -> Option<(Gpu, Scene, Camera, Equirect, RgbImage)> {
-    let scene = gnomon_testing::data_file(&format!("scenes/{scene}.glb"))?;
-    let map = gnomon_testing::data_file(&format!("reference/env_{environment}_latlong_512x256.exr"))?;
-    let truth = gnomon_testing::data_file(&format!("reference/{truth}.exr"))?;
-    let gpu = gpu_or_skip()?;
-    let (scene, camera) = load(&scene);
-    let map = gnomon_envmap::load(&map, None).unwrap().map;
-    Some((gpu, scene, camera, map, gnomon_picture::read(&truth).unwrap().image))
 }
 
 /// Relative RMSE of pictures against Mitsuba's: of the command's default, and of every soft technique with many lights of a simple fit.

@@ -10,6 +10,7 @@ use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;
 use gnomon_renderer::{Frame, Gpu, GpuOptions, RenderSettings, Renderer};
 use gnomon_scene::{Camera, Material, MaterialId, Mesh, MeshId, Node, Scene};
+use gnomon_scene_files::LoadOptions;
 
 /// The best adapter, or `None` after printing why the test is skipped.
 pub fn gpu_or_skip() -> Option<Gpu> {
@@ -20,6 +21,22 @@ pub fn gpu_or_skip() -> Option<Gpu> {
             None
         }
     }
+}
+
+/// Scene, camera and environment of one of Mitsuba's pictures, and the picture; none where the data or an adapter are absent.
+pub fn of_mitsuba(
+    scene: &str,
+    environment: &str,
+    truth: &str,
+) -> Option<(Gpu, Scene, Camera, Equirect, RgbImage)> {
+    let scene = gnomon_testing::data_file(&format!("scenes/{scene}.glb"))?;
+    let map = gnomon_testing::data_file(&format!("reference/env_{environment}_latlong_512x256.exr"))?;
+    let truth = gnomon_testing::data_file(&format!("reference/{truth}.exr"))?;
+    let gpu = gpu_or_skip()?;
+    let scene = gnomon_scene_files::load(&scene, &LoadOptions::default()).unwrap().scene;
+    let camera = scene.cameras[0].clone();
+    let map = gnomon_envmap::load(&map, None).unwrap().map;
+    Some((gpu, scene, camera, map, gnomon_picture::read(&truth).unwrap().image))
 }
 
 pub fn render(
