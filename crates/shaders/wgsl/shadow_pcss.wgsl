@@ -24,7 +24,8 @@ const LEAST_TOLD: f32 = 0.1;
 // Linear depth of what the map holds `offset` uv beside a receiver.
 fn map_depth(light: u32, receiver: vec4f, offset: vec2f) -> f32 {
     let size = vec2i(textureDimensions(depth_maps));
-    // The map's margin is empty, so that clamping to it finds nothing.
+    // The margin of a map of the whole scene is empty: clamping to it finds nothing. That of a slice of the view lies half a penumbra
+    // beyond what is seen.
     let texel = clamp(vec2i((receiver.xy + offset) * vec2f(size)), vec2i(0), size - 1);
     return textureLoad(depth_maps, texel, light, 0);
 }
