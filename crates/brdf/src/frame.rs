@@ -26,7 +26,8 @@ impl Frame {
         if length2 <= MIN_LENGTH2 * tangent.truncate().length_squared() {
             return Self::from_normal(n);
         }
-        let t = across / length2.sqrt();
+        // What little is left of a tangent along the normal is rounding for the most part: once more makes it perpendicular.
+        let t = (across - n * n.dot(across)).normalize();
         Self { t, b: n.cross(t) * if tangent.w < 0.0 { -1.0 } else { 1.0 }, n }
     }
 
@@ -52,6 +53,13 @@ mod tests {
 
     fn vector() -> impl Strategy<Value = Vec3> {
         prop::array::uniform3(-1f32..1.0).prop_map(Vec3::from)
+    }
+
+    #[test]
+    fn a_tangent_almost_along_the_normal_makes_a_frame() {
+        let n = Vec3::new(-0.117_635_59, 0.897_659_9, 0.735_486_3).normalize();
+        let frame = Frame::from_tangent(n, Vec3::new(0.123_113_126, -0.850_625_6, -0.705_025).extend(1.0));
+        assert!(frame.t.dot(n).abs() < 1e-6 && (frame.t.length() - 1.0).abs() < 1e-6, "{frame:?}");
     }
 
     proptest! {

@@ -126,7 +126,7 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
         ("lights", "lamps", ("fit", "method"), "\"lamps\"", "one of: disks, squares"),
         ("light-count", "0", ("fit", "light_count"), "0", "a whole number from 1 to 4096, or automatic"),
         ("threshold", "1", ("fit", "threshold"), "1", "a number above 0 and below 1, or automatic"),
-        ("shadows", "candles", ("render", "shadows"), "\"candles\"", "one of: convolution, pcss"),
+        ("shadows", "candles", ("render", "shadows"), "\"candles\"", "one of: auto, convolution, pcss"),
         (
             "shadow-resolution",
             "100",

@@ -26,10 +26,13 @@ pub struct OptionSpec {
     /// Another key in the group's outer table, and name on the command line.
     pub alias: Option<&'static str>,
     heading: Option<&'static str>,
-    condition: Option<(&'static str, &'static str)>,
+    condition: Option<Condition>,
     /// The default in words, where it is not the same for every scene.
     pub(crate) varies: Option<&'static str>,
 }
+
+/// Name of an option, and values.
+pub type Condition = (&'static str, &'static [&'static str]);
 
 /// Options that belong together.
 #[derive(Debug)]
@@ -38,8 +41,8 @@ pub struct Group {
     pub table: &'static str,
     /// Heading in help and panel.
     pub heading: &'static str,
-    /// The option that makes these matter, by its name, and the value that it has then.
-    pub condition: Option<(&'static str, &'static str)>,
+    /// The option that makes these matter, by its name, and the values that it has then.
+    pub condition: Option<Condition>,
 }
 
 /// What an option may be.
@@ -202,10 +205,10 @@ impl OptionSpec {
         Self { heading: Some(heading), ..self }
     }
 
-    /// It matters only where the option `name` is `value`.
+    /// It matters only where the option `name` has one of `values`.
     #[must_use]
-    pub const fn only_for(self, name: &'static str, value: &'static str) -> Self {
-        Self { condition: Some((name, value)), ..self }
+    pub const fn only_for(self, name: &'static str, values: &'static [&'static str]) -> Self {
+        Self { condition: Some((name, values)), ..self }
     }
 
     /// What [`crate::settings!`] knows of the field.
@@ -239,8 +242,8 @@ impl OptionSpec {
         self.heading.unwrap_or(self.group.heading)
     }
 
-    /// The option that makes this one matter, by its name, and the value that it has then.
-    pub fn condition(&self) -> Option<(&'static str, &'static str)> {
+    /// The option that makes this one matter, by its name, and the values that it has then.
+    pub fn condition(&self) -> Option<Condition> {
         self.condition.or(self.group.condition)
     }
 

@@ -7,7 +7,7 @@ use gnomon_options::{
 };
 
 static KITCHEN: Group = Group { table: "", heading: "Kitchen", condition: None };
-static SOUP: Group = Group { table: "soup", heading: "Soup", condition: Some(("pot", "clay")) };
+static SOUP: Group = Group { table: "soup", heading: "Soup", condition: Some(("pot", &["clay"])) };
 
 choices! {
     /// What it is cooked in.
@@ -124,7 +124,7 @@ fn names_and_words_follow_from_the_declaration() {
     let line = time.help_line(&OptionValue::Number(0.1));
     assert_eq!(line, "Time on the fire, without that of the bread [a number from 0 to 24 h] [default: 0.1]");
     assert!(spec("pot").long_help(&OptionValue::Name("iron".into())).ends_with("\n- clay: A clay one."));
-    assert_eq!((time.condition(), spec("pot").condition()), (Some(("pot", "clay")), None));
+    assert_eq!((time.condition(), spec("pot").condition()), (Some(("pot", ["clay"].as_slice())), None));
     let text = markdown("kitchen", &KitchenSettings::default());
     assert!(text.contains("| `plates` | Plates on a pile. A power of two from 1 to 64. | `8` |"), "{text}");
     assert!(text.contains("\n| `[kitchen.soup]` | value | default |"), "{text}");

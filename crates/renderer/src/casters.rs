@@ -50,6 +50,8 @@ pub(crate) struct PlacedBoxes {
 
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedBox {
+    /// Place of what it is around among the placed meshes.
+    pub instance: usize,
     pub corners: [Vec3; 8],
     pub indices: Option<Range<u32>>,
     pub simpler: Vec<SimplerIndices>,
@@ -65,6 +67,7 @@ impl PlacedBoxes {
         let around = Bounds::around(all_corners.iter().flatten().copied());
         let tolerance = IN_PLANE * around.map_or(0.0, |around| (around.max - around.min).max_element());
         let placed = |(index, corners): (usize, &[Vec3; 8])| PlacedBox {
+            instance: boxes[index].instance,
             corners: *corners,
             indices: boxes[index].indices.clone(),
             simpler: boxes[index].simpler.clone(),

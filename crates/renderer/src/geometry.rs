@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -6,6 +7,7 @@ use gnomon_scene::{AlphaMode, Bounds, Instance, MaterialId, Mesh, Pose, Scene, S
 
 use crate::casters::{InstanceBox, PlacedBoxes, SimplerIndices};
 use crate::deformation::{DeformableBoxes, PoseData};
+use crate::ray_scene::Micromaps;
 use crate::{Gpu, RenderError};
 
 mod details;
@@ -74,13 +76,24 @@ struct Kept {
     material: Option<MaterialId>,
     is_masked: bool,
     skin: Option<SkinId>,
+    /// Of a masked mesh.
+    micromaps: Option<Arc<Micromaps>>,
+}
+
+/// A mesh that is placed, as rays see it.
+pub(crate) struct PlacedMesh<'a> {
+    pub mesh: &'a Arc<Mesh>,
+    /// Place of its first vertex among the frame's.
+    pub first_vertex: u32,
+    /// Where it has a mask.
+    pub micromaps: Option<&'a Micromaps>,
 }
 
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
         let is_masked = is_masked(scene, &mesh);
-        Self { material: mesh.material, is_masked, mesh, skin: instance.skin }
+        Self { material: mesh.material, is_masked, mesh, skin: instance.skin, micromaps: None }
     }
 }
 
@@ -230,7 +243,7 @@ impl Geometry {
             joint_count: joint_count(scene),
             weights,
             moved: None,
-            placed: placed.iter().map(|instance| Kept::new(scene, instance)).collect(),
+            placed: kept(scene, &placed),
             details,
             deformable,
             bind_group,
@@ -243,6 +256,15 @@ impl Geometry {
     pub fn vertex_buffers(&self) -> [&wgpu::Buffer; 4] {
         let [positions, normals, tangents] = &self.vertices.world;
         [positions, normals, tangents, &self.vertices.attributes.buffer]
+    }
+
+    /// The instances, in the order of [`crate::casters::PlacedBox::instance`].
+    pub fn placed_meshes(&self) -> impl Iterator<Item = PlacedMesh<'_>> {
+        self.placed.iter().zip(&self.vertices.slots).map(|(kept, slot)| PlacedMesh {
+            mesh: &kept.mesh,
+            first_vertex: slot.first_vertex,
+            micromaps: kept.micromaps.as_deref(),
+        })
     }
 
     /// Parts of `indices` that are drawn with holes, each with its range's material, and those that are drawn whole.
@@ -345,6 +367,20 @@ impl Geometry {
     pub fn bounds(&self) -> Option<Bounds> {
         self.placed_boxes.around
     }
+}
+
+/// What of every instance stays, with the holes of masks.
+fn kept(scene: &Scene, placed: &[Instance]) -> Vec<Kept> {
+    let mut micromaps: HashMap<usize, Arc<Micromaps>> = HashMap::new();
+    let mut kept = |instance: &Instance| {
+        let mut kept = Kept::new(scene, instance);
+        if kept.is_masked {
+            let made = || Arc::new(Micromaps::new(scene, instance.mesh));
+            kept.micromaps = Some(micromaps.entry(address(&kept.mesh)).or_insert_with(made).clone());
+        }
+        kept
+    };
+    placed.iter().map(&mut kept).collect()
 }
 
 fn joint_count(scene: &Scene) -> usize {

@@ -7,14 +7,17 @@ use gnomon_shaders::layout;
 use crate::batch_plan::{Budget, Class, LightNeeds, plan};
 use crate::geometry::Geometry;
 use crate::light_pass::{self, LightPass};
+use crate::light_points::PointsOfLights;
 use crate::light_uniforms::{FittedLights, FrameLight, LightFitting, frame_lights, sum_scales};
 use crate::lighting::Lighting;
 use crate::materials::Materials;
+use crate::ray_scene::RayScene;
 use crate::recorder::Recorder;
 use crate::shading_points::{PointStage, ShadingPoints};
 use crate::shadow::depth_maps::DepthMaps;
 use crate::shadow::technique::{
-    BatchSize, FrameInputs, FrameLights, ShadowContext, ShadowResources, ShadowTechnique, SharedPasses,
+    BatchSize, FrameInputs, FrameLights, RayTargets, ShadowContext, ShadowResources, ShadowTechnique,
+    SharedPasses,
 };
 use crate::view_slices::ViewSlices;
 use crate::{Gpu, RenderError, TechniqueSettings};
@@ -33,6 +36,8 @@ pub(crate) struct LightBatches {
     slice_count: usize,
     slices: ViewSlices,
     sum_scales: Vec3,
+    /// Of all lights, where rays go to them.
+    points_of_lights: Option<PointsOfLights>,
     /// Whether lights, scene or pose are others than those that batches are fitted to.
     is_stale: bool,
     /// Whether they were fitted anew for the frame, or band of one, that comes next.
@@ -66,6 +71,8 @@ pub(crate) struct BatchContext<'a> {
     pub technique: &'static dyn ShadowTechnique,
     pub settings: &'a TechniqueSettings,
     pub view: &'a wgpu::Buffer,
+    /// Where the technique traces rays.
+    pub ray_scene: Option<&'a RayScene>,
 }
 
 /// What a frame's light is summed of.
@@ -92,10 +99,10 @@ impl LightBatches {
         near_lights: &[PlacedLight],
         (points, slice_count): (u64, usize),
     ) -> Result<Self, RenderError> {
-        let BatchContext { gpu, shared, technique, settings, view } = *context;
+        let BatchContext { gpu, shared, technique, settings, view, ray_scene } = *context;
         let shadow_settings = &settings.shadow_settings;
         // What is decided by the lights' sizes does not change as the environment turns.
-        let mut all = frame_lights(lighting.fitted(), near_lights);
+        let mut all = frame_lights(lighting.fitted(), &lighting.points, near_lights);
         let total_flux = all.iter().map(FrameLight::flux).sum();
         let sliced: Vec<usize> = (0..all.len())
             .filter(|&place| technique.has_sharp_maps() && all[place].is_sharp(total_flux))
@@ -130,13 +137,16 @@ impl LightBatches {
         let bytes =
             planned.iter().map(|class| u64::from(class.capacity) * bytes_per_light(class.needs)).sum();
         let by_pair = planned.iter().any(|class| memory(class.needs).per_pair > 0);
+        let points_of_lights = ray_scene.map(|_| PointsOfLights::new(gpu, all.len()));
+        let rays = ray_scene.zip(points_of_lights.as_ref());
+        let rays = rays.map(|(scene, points)| RayTargets { scene, light_points: &points.view });
         let mut classes = Vec::with_capacity(planned.len());
         let mut batches: Vec<Batch> = Vec::new();
         for (index, class) in planned.into_iter().enumerate() {
             let LightNeeds { resolution, .. } = class.needs;
             let size = BatchSize { lights: class.capacity, resolution, points };
-            let shadows =
-                technique.resources(&ShadowContext { gpu, settings: shadow_settings, shared, size })?;
+            let context = ShadowContext { gpu, settings: shadow_settings, shared, size, rays };
+            let shadows = technique.resources(&context)?;
             classes.push(ClassShadows { needs: class.needs, shadows });
             for members in class.batches {
                 let is_first = batches.is_empty();
@@ -153,6 +163,7 @@ impl LightBatches {
             slice_count,
             slices: ViewSlices::default(),
             sum_scales: Vec3::ONE,
+            points_of_lights,
             is_stale: true,
             is_refitted: false,
         })
@@ -238,12 +249,15 @@ impl LightBatches {
             return;
         }
         self.slices = slices;
-        let mut all = frame_lights([&lighting.lights, &lighting.probes], near_lights);
+        let mut all = frame_lights([&lighting.lights, &lighting.probes], &lighting.points, near_lights);
         add_slices(&mut all, &self.sliced, self.slice_count);
         for batch in &mut self.batches {
             let LightNeeds { resolution, .. } = self.classes[batch.class].needs;
             batch.fitted = self.fitting.fit(&all, &batch.members, resolution, (geometry, &self.slices), only);
             gpu.write(&batch.lights, batch.fitted.uniforms.as_slice());
+        }
+        if let Some(points) = &self.points_of_lights {
+            points.write(gpu, &all, self.fitting.rays);
         }
         self.sum_scales = sum_scales(self.batches.iter().flat_map(|batch| &batch.fitted.uniforms));
     }

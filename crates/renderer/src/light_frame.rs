@@ -196,6 +196,7 @@ pub(crate) fn light_uniform(
         to_distance: seen.distance[1],
         bias_scale: if seen.around.is_some() { (map_width / range).min(1.0) } else { 1.0 },
         vector_irradiance,
+        number: 0,
     }
 }
 

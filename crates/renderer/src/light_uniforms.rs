@@ -13,6 +13,7 @@ use crate::batch_plan::{LightNeeds, is_sharp};
 use crate::casters::{Casters, DrawnCasters};
 use crate::geometry::Geometry;
 use crate::light_frame::{footprint, hidden_deviation, light_uniform};
+use crate::light_points::{self, LightPoints};
 use crate::near_light_frame::near_light_uniform;
 use crate::shading_points::samplings;
 use crate::shadow::technique::ShadowTechnique;
@@ -21,23 +22,27 @@ use crate::view_slices::{ViewSlice, ViewSlices};
 /// A light of the frame: the environment's, its probes, the scene's own.
 #[derive(Clone, Copy)]
 pub(crate) enum FrameLight<'a> {
-    /// `slice` is the number of the part of the view that it shines on, where that is not all.
+    /// `slice` is the number of the part of the view that it shines on, where that is not all; `points` tell where its light comes from,
+    /// where that is known.
     Distant {
         light: &'a DistantLight,
         role: u32,
         slice: Option<usize>,
+        points: Option<&'a LightPoints>,
     },
     Near(&'a PlacedLight),
 }
 
-/// All lights in the order of the frame's list.
+/// All lights in the order of the frame's list. `points` are those of the first ones.
 pub(crate) fn frame_lights<'a>(
     [lights, probes]: [&'a [DistantLight]; 2],
+    points: &'a [LightPoints],
     near: &'a [PlacedLight],
 ) -> Vec<FrameLight<'a>> {
-    let with = |role| move |light| FrameLight::Distant { light, role, slice: None };
-    let lights = lights.iter().map(with(layout::ROLE_LIGHT));
-    let probes = probes.iter().map(with(layout::ROLE_PROBE));
+    let with = |role| move |(light, points)| FrameLight::Distant { light, role, slice: None, points };
+    let points = points.iter().map(Some).chain(std::iter::repeat(None));
+    let lights = lights.iter().zip(points).map(with(layout::ROLE_LIGHT));
+    let probes = probes.iter().zip(std::iter::repeat(None)).map(with(layout::ROLE_PROBE));
     lights.chain(probes).chain(near.iter().map(FrameLight::Near)).collect()
 }
 
@@ -65,7 +70,9 @@ impl FrameLight<'_> {
     /// The same for a part of the view.
     pub fn for_slice(&self, slice: usize) -> Self {
         match *self {
-            Self::Distant { light, role, .. } => Self::Distant { light, role, slice: Some(slice) },
+            Self::Distant { light, role, points, .. } => {
+                Self::Distant { light, role, slice: Some(slice), points }
+            }
             Self::Near(_) => *self,
         }
     }
@@ -108,6 +115,8 @@ pub(crate) struct LightFitting {
     pub caster_deviation_texels: f32,
     /// Whether grounds block lights that shine on their upper side.
     pub draws_grounds: bool,
+    /// Rays to a light, where they are traced.
+    pub rays: u32,
 }
 
 impl LightFitting {
@@ -116,6 +125,7 @@ impl LightFitting {
             normal_offset_texels: settings.normal_offset,
             caster_deviation_texels: settings.caster_deviation,
             draws_grounds: technique.draws_grounds(),
+            rays: settings.shadow_settings.rays.samples,
         }
     }
 
@@ -130,6 +140,7 @@ impl LightFitting {
     ) -> FittedLights {
         let fitted = members.iter().filter_map(|&place| {
             let (mut uniform, casters) = self.fitted(all.get(place)?, resolution, geometry, slices);
+            uniform.number = place as u32;
             if only == Some(place) {
                 uniform.role = layout::ROLE_PROBE;
             }
@@ -148,14 +159,18 @@ impl LightFitting {
     ) -> (layout::Light, DrawnCasters) {
         let scene = &geometry.placed_boxes;
         let (mut uniform, wanted) = match *light {
-            FrameLight::Distant { light, role, slice } => {
+            FrameLight::Distant { light, role, slice, points } => {
                 let seen = slice.map_or(Some(ViewSlice::WHOLE), |slice| slices.get(slice));
                 let Some(seen) = seen else {
                     let uniform = light_uniform(light, scene, &ViewSlice::WHOLE, resolution, 0.0);
                     let nowhere = layout::Light { role, to_distance: 0.0, ..uniform };
                     return (nowhere, DrawnCasters { indices: Vec::new(), deviation_world: 0.0 });
                 };
-                let uniform = light_uniform(light, scene, &seen, resolution, self.normal_offset_texels);
+                let mut uniform = light_uniform(light, scene, &seen, resolution, self.normal_offset_texels);
+                if let Some(points) = points {
+                    uniform.vector_irradiance =
+                        light.solid_angle * light_points::mean_direction(light, points);
+                }
                 let deviation_world =
                     hidden_deviation(light, &uniform, resolution, self.caster_deviation_texels);
                 let above = (!self.draws_grounds).then_some(light);

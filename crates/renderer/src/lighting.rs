@@ -8,6 +8,7 @@ use gnomon_shaders::layout;
 
 use crate::ambient::{self, Ambient, AmbientLights};
 use crate::irradiance::Irradiance;
+use crate::light_points::{self, LightPoints};
 use crate::{Gpu, RenderError, RenderSettings};
 
 /// Texels along the side of the environment BRDF's table; the outermost ones stand for 0 and 1.
@@ -25,6 +26,8 @@ pub struct PreparedLighting {
     probes: Vec<DistantLight>,
     residual: Equirect,
     omits_hidden: bool,
+    points: Arc<[LightPoints]>,
+    map: Arc<Equirect>,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
     irradiance: Irradiance,
@@ -48,6 +51,7 @@ impl PreparedLighting {
         let (method, ambient_cells) =
             (ambient::by_name(&settings.lighting.ambient)?, settings.lighting.ambient_cells);
         let ambient = method.lights(set, ambient_cells)?;
+        let of_cells = points_of_cells(&ambient, map);
         Ok(Self {
             ambient: method,
             ambient_cells,
@@ -58,6 +62,8 @@ impl PreparedLighting {
             rest: PreparedRest::new(&ambient.residual),
             residual: ambient.residual,
             omits_hidden: ambient.omits_hidden,
+            points: of_cells,
+            map: Arc::new(light_points::source(map)),
             lights: ambient.lights,
             probes: ambient.probes,
         })
@@ -89,6 +95,10 @@ pub(crate) struct Lighting {
     residual: Arc<Equirect>,
     /// Whether light that arrives nowhere is left out: unshadowed light is then that of the lights.
     pub omits_hidden: bool,
+    /// The environment, as far as its lights' points ask for it.
+    map: Arc<Equirect>,
+    /// Where the light of each of the lights comes from, in its own frame, where they stand for the parts of the map that they cover.
+    pub points: Arc<[LightPoints]>,
     pub residual_sh: [Vec4; 9],
     pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
@@ -122,6 +132,8 @@ impl Lighting {
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
             omits_hidden: prepared.omits_hidden,
+            points: prepared.points,
+            map: prepared.map,
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
             background: upload_maps(gpu, "background", &prepared.background),
@@ -137,6 +149,7 @@ impl Lighting {
     /// The same environment with other lights. Maps are made only where another part of it stays ambient.
     pub fn with_lights(self, gpu: &Gpu, ambient: AmbientLights) -> Self {
         let lit = Self {
+            points: points_of_cells(&ambient, &self.map),
             lights: ambient.lights.clone(),
             probes: ambient.probes.clone(),
             fitted: [ambient.lights, ambient.probes],
@@ -169,6 +182,14 @@ impl Lighting {
     /// Lights and probes in the environment's own frame: what is decided by their sizes does not change as it turns.
     pub fn fitted(&self) -> [&[DistantLight]; 2] {
         self.fitted.each_ref().map(Vec::as_slice)
+    }
+}
+
+/// Where each light's light comes from, where lights stand for parts of the map; else none.
+fn points_of_cells(ambient: &AmbientLights, map: &Equirect) -> Arc<[LightPoints]> {
+    match ambient.omits_hidden {
+        true => light_points::of_cells(&ambient.lights, map).into(),
+        false => Arc::default(),
     }
 }
 

@@ -73,6 +73,7 @@ pub(crate) fn near_light_uniform(
         to_distance: f32::MAX,
         bias_scale: 1.0,
         vector_irradiance: Vec3::ZERO,
+        number: 0,
     }
 }
 

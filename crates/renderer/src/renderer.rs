@@ -10,6 +10,7 @@ use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
 use crate::materials::Materials;
 use crate::radiance_cache::{RadianceCache, RadianceCachePass};
+use crate::ray_scene::{RayScene, RefitPass};
 use crate::recorder::PassTiming;
 use crate::resolve::{Output, ResolvePass};
 use crate::settings::{Chosen, RenderSettings};
@@ -48,6 +49,8 @@ pub struct Renderer {
     passes: Passes,
     geometry: Geometry,
     materials: Materials,
+    /// Where the shadow technique traces rays.
+    ray_scene: Option<RayScene>,
     near_lights: Vec<PlacedLight>,
     /// Of every material.
     surfaces: Vec<Surface>,
@@ -68,6 +71,7 @@ struct Passes {
     points: ShadingPointsPass,
     shared: SharedPasses,
     cache: RadianceCachePass,
+    refit: RefitPass,
     resolve: ResolvePass,
 }
 
@@ -101,6 +105,7 @@ impl Renderer {
             gbuffer,
             points,
             cache: RadianceCachePass::new(gpu)?,
+            refit: RefitPass::new(gpu)?,
             resolve: ResolvePass::new(gpu)?,
         };
         let scene = Scene::default();
@@ -121,6 +126,7 @@ impl Renderer {
             geometry: Geometry::new(gpu, &passes.transform, &scene, None)?,
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene, None)?,
             passes,
+            ray_scene: None,
             near_lights: Vec::new(),
             surfaces: Vec::new(),
             world_from_environment: Quat::IDENTITY,

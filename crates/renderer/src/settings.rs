@@ -6,8 +6,7 @@ use gnomon_shaders::layout::CachedLobe;
 use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
 use crate::composite::{self, Compositing};
-use crate::shadow::technique::ShadowTechnique;
-use crate::shadow::{self, ShadowSettings, VisibilityPath};
+use crate::shadow::{self, ShadowSettings, Techniques, VisibilityPath};
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
 
@@ -57,7 +56,7 @@ settings! {
     /// How visibility is found and light is summed.
     pub struct TechniqueSettings in TECHNIQUES {
         /// Shadow technique.
-        shadows: String = "pcss".to_owned(), choice(shadow::choices);
+        shadows: String = "auto".to_owned(), choice(shadow::choices);
         /// How the sum of light learns what techniques find.
         visibility: VisibilityPath = VisibilityPath::default(), choice(VisibilityPath::choices);
         /// Texels along each side of the shadow map of a light of 20 degrees; wider ones have fewer.
@@ -129,7 +128,7 @@ impl RenderSettings {
 #[derive(Clone)]
 pub(crate) struct Chosen {
     pub settings: RenderSettings,
-    pub technique: &'static dyn ShadowTechnique,
+    pub shadows: Techniques,
     pub ambient: &'static Ambient,
     pub compositing: &'static Compositing,
     pub unshadowed: &'static Unshadowed,
@@ -142,7 +141,7 @@ impl Chosen {
         settings.check()?;
         let RenderSettings { lighting, techniques, .. } = &settings;
         Ok(Self {
-            technique: shadow::usable(gpu, &techniques.shadows, techniques.visibility)?,
+            shadows: shadow::usable(gpu, &techniques.shadows, techniques.visibility)?,
             ambient: ambient::by_name(&lighting.ambient)?,
             compositing: composite::by_name(&techniques.compositing)?,
             unshadowed: unshadowed::by_name(&techniques.unshadowed)?,

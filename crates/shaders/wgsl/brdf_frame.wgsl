@@ -22,7 +22,8 @@ fn frame_from_tangent(n: vec3f, tangent: vec4f) -> Frame {
     if length2 <= 1e-8 * dot(tangent.xyz, tangent.xyz) {
         return frame_from_normal(n);
     }
-    let t = across * inverseSqrt(length2);
+    // What little is left of a tangent along the normal is rounding for the most part: once more makes it perpendicular.
+    let t = normalize(across - n * dot(n, across));
     return Frame(t, cross(n, t) * select(1.0, -1.0, tangent.w < 0.0), n);
 }
 

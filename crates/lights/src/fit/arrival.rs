@@ -151,7 +151,8 @@ mod tests {
                     seen.iter().filter(|light| light.direction.x > 0.85 && sign * light.direction.z > 0.0);
                 lights.map(|light| light.flux().y).sum::<f64>()
             };
-            assert!((0.75..1.3).contains(&(side(-1.0) / side(1.0))), "{method}: {}", side(-1.0) / side(1.0));
+            // Where less of it arrives cells are wider, and those at the edge hold what lies beside it.
+            assert!((0.7..1.5).contains(&(side(-1.0) / side(1.0))), "{method}: {}", side(-1.0) / side(1.0));
         }
     }
 }

@@ -107,29 +107,17 @@ impl LightFit for Partition {
         if self.is_optimized {
             parameters.insert("steps".into(), json!(steps));
         }
-        let mut lights: Vec<DistantLight> = if self.is_optimized && steps > 0 {
+        let mut lights: Vec<DistantLight> = if arriving.is_some() {
+            let cell = |part: &Part| whole.light(part.face, part.rect, whole.rect_flux(part.face, part.rect));
+            parts.iter().map(cell).collect()
+        } else if self.is_optimized && steps > 0 {
             let max_extent = self.options.max_extent.map_or(FRAC_PI_2, f64::from).min(FRAC_PI_2);
             optimized(faces, &parts, (0.5 * max_extent).tan(), WIDTH_WEIGHT)
         } else {
             parts.iter().map(Part::light).collect()
         };
-        if let (Some(arriving), Some(arrival)) = (&arriving, &self.options.arrival) {
-            restore_flux(&mut lights, &parts, arriving, &arrival.weighted(arriving));
-        }
         lights.sort_by(|a, b| luminance(b.flux()).total_cmp(&luminance(a.flux())));
         let set = LightSet::without_residual(self.name(), parameters, lights, map);
         Ok(LightSet { omits_hidden: arriving.is_some(), ..set })
-    }
-}
-
-/// Gives lights that were fitted to what arrives of a map, once weighted, the flux that they stand for: that without the weight where
-/// their weighted flux comes from. `twice` is weighted by the same once more, so that their ratio is the mean weight.
-fn restore_flux(lights: &mut [DistantLight], parts: &[Part], once: &Faces, twice: &Faces) {
-    for (light, part) in lights.iter_mut().zip(parts) {
-        let flux = |faces: &Faces| luminance(faces.rect_flux(part.face, part.rect));
-        let mean_weight = flux(twice) / flux(once).max(f64::MIN_POSITIVE);
-        if mean_weight > 0.0 {
-            light.radiance = (light.radiance.as_dvec3() / mean_weight).as_vec3();
-        }
     }
 }

@@ -21,9 +21,9 @@ settings! {
         /// Largest angular width and height of a light.
         max_extent: Option<f32> = None, number(0.0, 360.0).unit("degrees").automatic("the fit's own choice", 30.0);
         /// Where samples are placed.
-        sampler: Option<String> = None, choice(sampler_choices).automatic("median-cut", 0.0).only_for("lights", "samples");
+        sampler: Option<String> = None, choice(sampler_choices).automatic("median-cut", 0.0).only_for("lights", &["samples"]);
         /// Seed of random samplers: the same seed gives the same lights.
-        seed: u64 = 0, whole(0, i64::MAX).only_for("lights", "samples");
+        seed: u64 = 0, whole(0, i64::MAX).only_for("lights", &["samples"]);
     }
 }
 

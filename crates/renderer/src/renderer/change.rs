@@ -14,6 +14,7 @@ use crate::geometry::{Geometry, MovedGeometry};
 use crate::lighting::{Lighting, PreparedLighting};
 use crate::materials::{MaterialRecords, Materials};
 use crate::radiance_cache::RadianceCache;
+use crate::ray_scene::RayScene;
 use crate::settings::{Chosen, in_range};
 
 /// What a renderer is to take over, all of it or nothing ([`Renderer::change`]). What is `None` stays as it is.
@@ -57,6 +58,7 @@ struct Next {
     lit: Option<Lit>,
     /// For lights that stay.
     groups: Option<EnvironmentGroups>,
+    rays: NextRays,
     world_from_environment: Quat,
     scene: NextScene,
 }
@@ -73,6 +75,13 @@ struct NextScene {
 enum NextGeometry {
     New(Box<Geometry>),
     Moved(MovedGeometry),
+}
+
+/// What rays are traced through from then on.
+enum NextRays {
+    None,
+    Same,
+    New(Box<RayScene>),
 }
 
 enum NextMaterials {
@@ -139,20 +148,48 @@ impl Renderer {
             false => None,
         };
         let near_lights = scene.near_lights.as_ref().unwrap_or(&self.near_lights);
-        let surroundings = Surroundings {
+        let (geometry, is_new) = match &scene.geometry {
+            Some(NextGeometry::New(geometry)) => (geometry.as_ref(), true),
+            _ => (&self.geometry, false),
+        };
+        let in_force = is.lit.as_ref().map(|lit| &lit.lighting);
+        let technique = lighting.as_ref().or(in_force).map(|l| self.technique(&chosen, l, geometry));
+        let traces_rays = technique.is_some_and(|technique| technique.traces_rays());
+        let ray_scene = match traces_rays && (is_new || self.ray_scene.is_none()) {
+            true => Some(RayScene::new(gpu, &self.passes.refit, geometry, self.ray_scene.as_ref())?),
+            false => None,
+        };
+        // More or fewer lights of the scene need other maps; what is bound of a scene for rays is another with it.
+        let needs_maps = other_techniques
+            || near_lights.len() != self.near_lights.len()
+            || ray_scene.is_some()
+            || technique.map(|t| t.name()) != is.lit.as_ref().map(|lit| lit.technique.name());
+        let surroundings = technique.map(|technique| Surroundings {
             chosen: &chosen,
+            technique,
             compose: compose.as_ref().unwrap_or(&is.compose),
             cache: cache.as_ref().unwrap_or(&is.cache),
             near_lights,
+            ray_scene: ray_scene.as_ref().or(self.ray_scene.as_ref()).filter(|_| traces_rays),
             world_from_environment,
-        };
-        // More or fewer lights of the scene need other maps.
-        let needs_maps = other_techniques || near_lights.len() != self.near_lights.len();
-        let in_force = || is.lit.as_ref().filter(|_| needs_maps).map(|lit| lit.lighting.clone());
-        let lit = lighting.or_else(in_force).map(|lighting| self.lit(&surroundings, lighting)).transpose()?;
+        });
+        let lighting = lighting.or_else(|| in_force.filter(|_| needs_maps).cloned());
+        let lit = surroundings
+            .as_ref()
+            .zip(lighting)
+            .map(|(surroundings, lighting)| self.lit(surroundings, lighting))
+            .transpose()?;
         let stays = is.lit.as_ref().filter(|_| lit.is_none() && cache.is_some());
-        let groups = stays.map(|lit| self.environment_groups(&surroundings, &lit.lighting));
-        Ok(Next { compose, cache, lit, groups, world_from_environment, scene, chosen })
+        let groups = surroundings
+            .as_ref()
+            .zip(stays)
+            .map(|(surroundings, lit)| self.environment_groups(surroundings, &lit.lighting));
+        let rays = match (traces_rays, ray_scene) {
+            (false, _) => NextRays::None,
+            (true, None) => NextRays::Same,
+            (true, Some(scene)) => NextRays::New(Box::new(scene)),
+        };
+        Ok(Next { compose, cache, lit, groups, rays, world_from_environment, scene, chosen })
     }
 
     fn next_scene(&self, change: SceneChange<'_>) -> Result<NextScene, RenderError> {
@@ -192,13 +229,22 @@ impl Renderer {
 
     /// Nothing here can fail: it makes nothing on the device. What lies in buffers that stay is written with the next frame.
     fn take(&mut self, next: Next) {
-        let Next { chosen, compose, cache, lit, groups, world_from_environment, scene } = next;
+        let Next { chosen, compose, cache, lit, groups, rays, world_from_environment, scene } = next;
         let NextScene { geometry, materials, near_lights, surfaces } = scene;
         let mut refit = geometry.is_some();
         match geometry {
             Some(NextGeometry::New(geometry)) => self.geometry = *geometry,
             Some(NextGeometry::Moved(moved)) => self.geometry.take(moved),
             None => {}
+        }
+        match rays {
+            NextRays::None => self.ray_scene = None,
+            NextRays::New(scene) => self.ray_scene = Some(*scene),
+            NextRays::Same => {
+                if let Some(scene) = self.ray_scene.as_mut().filter(|_| refit) {
+                    scene.moved();
+                }
+            }
         }
         match materials {
             Some(NextMaterials::New { materials, gbuffer }) => {

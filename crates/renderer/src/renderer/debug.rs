@@ -97,7 +97,7 @@ impl Renderer {
             let parameters = layout::DebugParameters {
                 light: light.unwrap_or(0),
                 has_light: light.is_some().into(),
-                has_maps: self.state.chosen.technique.depth_maps().is_some().into(),
+                has_maps: lit.technique.depth_maps().is_some().into(),
                 to_viewer,
                 lights_before,
                 least_depth: least,

@@ -201,6 +201,9 @@ impl Renderer {
         let mut recorder = Recorder::new(&self.gpu, encoder, clock);
         if is_first {
             self.passes.transform.encode(&mut recorder, &self.geometry);
+            if let Some(scene) = &mut self.ray_scene {
+                scene.encode(&self.gpu, &mut recorder, &self.passes.refit, &self.geometry);
+            }
         }
         recorder.end_pass("transform")?;
         self.passes.gbuffer.encode(

@@ -7,11 +7,15 @@ use gnomon_shaders::layout;
 use super::{Passes, Renderer};
 use crate::compose::ComposePass;
 use crate::debug_view::DebugGroup;
+use crate::geometry::Geometry;
 use crate::light_batches::{BatchContext, LightBatches};
 use crate::light_pass::LightPass;
 use crate::lighting::Lighting;
 use crate::radiance_cache::RadianceCache;
+use crate::ray_scene::{self, RayScene};
 use crate::settings::Chosen;
+use crate::shadow::Techniques;
+use crate::shadow::technique::ShadowTechnique;
 use crate::{Gpu, RenderError};
 
 /// What depends on the settings.
@@ -25,6 +29,8 @@ pub(super) struct State {
 /// What depends on the lights, too.
 pub(super) struct Lit {
     pub lighting: Lighting,
+    /// How its shadows are found.
+    pub technique: &'static dyn ShadowTechnique,
     pub batches: LightBatches,
     pub light: LightPass,
     pub environment: EnvironmentGroups,
@@ -41,10 +47,13 @@ pub(super) struct EnvironmentGroups {
 /// What lights are made for.
 pub(super) struct Surroundings<'a> {
     pub chosen: &'a Chosen,
+    pub technique: &'static dyn ShadowTechnique,
     pub compose: &'a ComposePass,
     pub cache: &'a RadianceCache,
     /// The scene's own lights.
     pub near_lights: &'a [PlacedLight],
+    /// Where the technique traces rays.
+    pub ray_scene: Option<&'a RayScene>,
     pub world_from_environment: Quat,
 }
 
@@ -62,17 +71,13 @@ impl Renderer {
         surroundings: &Surroundings<'_>,
         mut lighting: Lighting,
     ) -> Result<Lit, RenderError> {
-        let &Surroundings { chosen, near_lights, world_from_environment, .. } = surroundings;
+        let &Surroundings { chosen, technique, near_lights, ray_scene, world_from_environment, .. } =
+            surroundings;
         lighting.turn(world_from_environment);
         let (gpu, passes) = (&self.gpu, &self.passes);
         let settings = &chosen.settings.techniques;
-        let context = BatchContext {
-            gpu,
-            shared: &passes.shared,
-            technique: chosen.technique,
-            settings,
-            view: &self.view,
-        };
+        let context =
+            BatchContext { gpu, shared: &passes.shared, technique, settings, view: &self.view, ray_scene };
         let batches =
             LightBatches::new(&context, &lighting, near_lights, (self.room_for_points(), self.slice_count))?;
         let mut groups = vec![
@@ -81,9 +86,9 @@ impl Renderer {
             (layout::GROUP_PASS, &passes.points.light_layout),
         ];
         groups.extend(batches.shadow_layout().map(|shadow| (layout::GROUP_SHADOW, shadow)));
-        let light = LightPass::new(gpu, chosen.technique.module(&settings.shadow_settings), &groups)?;
+        let light = LightPass::new(gpu, technique.module(&settings.shadow_settings), &groups)?;
         let environment = self.environment_groups(surroundings, &lighting);
-        let mut lit = Lit { lighting, batches, light, environment, debug_groups: Vec::new() };
+        let mut lit = Lit { lighting, technique, batches, light, environment, debug_groups: Vec::new() };
         if let Some(debug) = &self.debug {
             lit.debug_groups = debug.groups(gpu, &self.view, &lit);
             lit.batches.sum_only(gpu, debug.only_light(&lit));
@@ -91,17 +96,32 @@ impl Renderer {
         Ok(lit)
     }
 
+    /// How shadows of these lights are found in a geometry.
+    pub(super) fn technique(
+        &self,
+        chosen: &Chosen,
+        lighting: &Lighting,
+        geometry: &Geometry,
+    ) -> &'static dyn ShadowTechnique {
+        let Techniques { usual, interior } = chosen.shadows;
+        let has_room = !interior.traces_rays() || ray_scene::has_room_for(&self.gpu, geometry);
+        if lighting.omits_hidden && has_room { interior } else { usual }
+    }
+
     /// The same scene, environment and settings at the target's points.
     pub(super) fn relit(&self) -> Result<Option<Lit>, RenderError> {
         let State { chosen, compose, cache, lit } = &self.state;
+        let Some(lit) = lit else { return Ok(None) };
         let surroundings = Surroundings {
             chosen,
+            technique: lit.technique,
             compose,
             cache,
             near_lights: &self.near_lights,
+            ray_scene: self.ray_scene.as_ref(),
             world_from_environment: self.world_from_environment,
         };
-        lit.as_ref().map(|lit| self.lit(&surroundings, lit.lighting.clone())).transpose()
+        self.lit(&surroundings, lit.lighting.clone()).map(Some)
     }
 
     /// Room for the target's shading points; none before there is one.

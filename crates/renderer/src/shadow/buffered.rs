@@ -51,6 +51,10 @@ impl ShadowTechnique for Buffered {
         self.0.has_sharp_maps()
     }
 
+    fn traces_rays(&self) -> bool {
+        self.0.traces_rays()
+    }
+
     fn draws_grounds(&self) -> bool {
         self.0.draws_grounds()
     }

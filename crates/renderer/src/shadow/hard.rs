@@ -6,7 +6,7 @@ use super::depth_map::DepthMapTechnique;
 use super::depth_maps::MapDepth;
 
 static GROUP: Group =
-    Group { table: "hard", heading: "Hard shadow maps (hard)", condition: Some(("shadows", "hard")) };
+    Group { table: "hard", heading: "Hard shadow maps (hard)", condition: Some(("shadows", &["hard"])) };
 
 settings! {
     /// Parameters of hard shadow maps.

@@ -8,7 +8,7 @@ use super::depth_maps::MapDepth;
 static GROUP: Group = Group {
     table: "hard_linear",
     heading: "Hard shadow maps of linear depth (hard-linear)",
-    condition: Some(("shadows", "hard-linear")),
+    condition: Some(("shadows", &["hard-linear"])),
 };
 
 settings! {

@@ -14,6 +14,7 @@ mod moments;
 mod none;
 mod pcf;
 mod pcss;
+mod rays;
 pub(crate) mod technique;
 
 use buffered::Buffered;
@@ -28,6 +29,7 @@ pub use hard_linear::HardLinearSettings;
 pub use moments::MomentSettings;
 pub use pcf::PcfSettings;
 pub use pcss::PcssSettings;
+pub use rays::RaySettings;
 
 settings! {
     /// Parameters of all techniques.
@@ -44,6 +46,8 @@ settings! {
         pcss: PcssSettings;
         /// Moment soft shadow maps.
         moments: MomentSettings;
+        /// Shadow rays.
+        rays: RaySettings;
     }
 }
 
@@ -58,18 +62,22 @@ choices! {
 }
 
 /// Every technique.
-const TECHNIQUES: [&dyn ShadowTechnique; 7] = [
+const TECHNIQUES: [&dyn ShadowTechnique; 8] = [
     &convolution::Convolution,
     &pcss::PCSS,
     &moments::Moments,
     &pcf::PCF,
     &hard::HARD,
     &hard_linear::HARD_LINEAR,
+    &rays::Rays,
     &none::None,
 ];
 
 /// The same through a buffer.
 static BUFFERED: [Buffered; TECHNIQUES.len()] = Buffered::all(TECHNIQUES);
+
+/// The name of the choice that takes techniques by what they are for.
+const AUTO: (&str, &str) = ("auto", "percentage-closer soft shadows; in an interior shadow rays");
 
 /// Name and one-line summary of every technique.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -78,37 +86,48 @@ pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// The same as choices of an option.
 pub(crate) fn choices() -> Vec<Choice> {
-    names().map(|(name, summary)| Choice { name, summary }).collect()
+    std::iter::once(AUTO).chain(names()).map(|(name, summary)| Choice { name, summary }).collect()
+}
+
+/// The techniques in force.
+#[derive(Clone, Copy)]
+pub(crate) struct Techniques {
+    pub usual: &'static dyn ShadowTechnique,
+    /// Where lights stand for what comes into an interior, and the adapter has room for what it needs.
+    pub interior: &'static dyn ShadowTechnique,
 }
 
 /// The technique called `name`.
 ///
 /// # Errors
 /// [`RenderError::UnknownName`] lists the names there are.
-pub(crate) fn by_name(name: &str, path: VisibilityPath) -> Result<&'static dyn ShadowTechnique, RenderError> {
-    let mut pairs = TECHNIQUES.into_iter().zip(&BUFFERED);
-    let found = pairs.find(|(technique, _)| technique.name() == name);
-    let (inline, buffered) = found.ok_or_else(|| RenderError::UnknownName {
-        what: "shadow technique",
-        name: name.to_owned(),
-        choices: TECHNIQUES.map(|technique| technique.name()).join(", "),
-    })?;
-    Ok(match path {
-        VisibilityPath::Inline => inline,
-        VisibilityPath::Buffered => buffered,
-    })
+pub(crate) fn by_name(name: &str, path: VisibilityPath) -> Result<Techniques, RenderError> {
+    let choice = |name: &str| -> Result<&'static dyn ShadowTechnique, RenderError> {
+        let mut pairs = TECHNIQUES.into_iter().zip(&BUFFERED);
+        let found = pairs.find(|(technique, _)| technique.name() == name);
+        let (inline, buffered): (&'static dyn ShadowTechnique, _) =
+            found.ok_or_else(|| RenderError::UnknownName {
+                what: "shadow technique",
+                name: name.to_owned(),
+                choices: choices().iter().map(|choice| choice.name).collect::<Vec<_>>().join(", "),
+            })?;
+        Ok(match path {
+            VisibilityPath::Inline => inline,
+            VisibilityPath::Buffered => buffered,
+        })
+    };
+    let [usual, interior] = if name == AUTO.0 { ["pcss", "rays"] } else { [name, name] };
+    Ok(Techniques { usual: choice(usual)?, interior: choice(interior)? })
 }
 
-/// The same, where the device has what it needs.
+/// The same, where the device has what they need.
 ///
 /// # Errors
 /// As [`by_name`], and [`RenderError::NeedsFeature`].
-pub(crate) fn usable(
-    gpu: &Gpu,
-    name: &str,
-    path: VisibilityPath,
-) -> Result<&'static dyn ShadowTechnique, RenderError> {
-    let technique = by_name(name, path)?;
-    gpu.require(technique.name(), technique.needed_features())?;
-    Ok(technique)
+pub(crate) fn usable(gpu: &Gpu, name: &str, path: VisibilityPath) -> Result<Techniques, RenderError> {
+    let techniques = by_name(name, path)?;
+    for technique in [techniques.usual, techniques.interior] {
+        gpu.require(technique.name(), technique.needed_features())?;
+    }
+    Ok(techniques)
 }

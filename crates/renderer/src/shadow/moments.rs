@@ -16,7 +16,7 @@ pub(super) struct Moments;
 static GROUP: Group = Group {
     table: "moments",
     heading: "Moment soft shadow maps (moments)",
-    condition: Some(("shadows", "moments")),
+    condition: Some(("shadows", &["moments"])),
 };
 
 settings! {

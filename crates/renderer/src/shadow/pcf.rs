@@ -5,8 +5,11 @@ use super::ShadowSettings;
 use super::depth_map::DepthMapTechnique;
 use super::depth_maps::MapDepth;
 
-static GROUP: Group =
-    Group { table: "pcf", heading: "Percentage-closer filtering (pcf)", condition: Some(("shadows", "pcf")) };
+static GROUP: Group = Group {
+    table: "pcf",
+    heading: "Percentage-closer filtering (pcf)",
+    condition: Some(("shadows", &["pcf"])),
+};
 
 settings! {
     /// Parameters of percentage-closer filtering.

@@ -8,7 +8,7 @@ use super::depth_maps::MapDepth;
 static GROUP: Group = Group {
     table: "pcss",
     heading: "Percentage-closer soft shadows (pcss)",
-    condition: Some(("shadows", "pcss")),
+    condition: Some(("shadows", &["auto", "pcss"])),
 };
 
 settings! {

@@ -10,6 +10,7 @@ use super::depth_maps::{DepthMaps, MapDepth, ShadowMapPass};
 use crate::casters::DrawnCasters;
 use crate::geometry::Geometry;
 use crate::materials::Materials;
+use crate::ray_scene::RayScene;
 use crate::recorder::Recorder;
 use crate::shading_points::{PointStage, ShadingPoints};
 use crate::{Gpu, RenderError};
@@ -33,6 +34,10 @@ pub(crate) trait ShadowTechnique: Sync {
     /// times its memory.
     fn has_sharp_maps(&self) -> bool {
         true
+    }
+    /// Whether it needs [`ShadowContext::rays`].
+    fn traces_rays(&self) -> bool {
+        false
     }
     /// Whether grounds cast shadows of lights of which they block nothing, too.
     fn draws_grounds(&self) -> bool {
@@ -78,6 +83,16 @@ pub(crate) struct ShadowContext<'a> {
     pub settings: &'a ShadowSettings,
     pub shared: &'a SharedPasses,
     pub size: BatchSize,
+    /// Where the technique traces rays.
+    pub rays: Option<RayTargets<'a>>,
+}
+
+/// What rays are traced through, and to.
+#[derive(Clone, Copy)]
+pub(crate) struct RayTargets<'a> {
+    pub scene: &'a RayScene,
+    /// A row of points for every light of the frame, and the number of rays to it.
+    pub light_points: &'a wgpu::TextureView,
 }
 
 /// The most that a batch may be.

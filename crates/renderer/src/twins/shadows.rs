@@ -1,7 +1,7 @@
 //! What shadow techniques compute with.
 
 use glam::{Vec2, Vec4};
-use gnomon_shaders::twin::{depth_moments, sample_pattern, series, weighted_box};
+use gnomon_shaders::twin::{depth_moments, micromap, sample_pattern, series, triangle_hit, weighted_box};
 use gnomon_testing::tolerances::SHADER_TWIN;
 
 use super::compare;
@@ -114,4 +114,31 @@ fn moments_of_depth() {
         // Where next to nothing is in front, its depth means nothing.
         Vec4::new(atoms.weights.x, found.x, found.x * found.y, 0.0)
     });
+}
+
+#[test]
+fn rays_and_triangles() {
+    // Corners about a direction, so that every other ray hits.
+    let input = |u: Vec4, v: Vec4| [(u - 0.5).with_w(v.w), (v - 0.5).with_w(u.w)];
+    let corners = "vec3f(a.x, a.y, 1.0 + a.w), vec3f(a.z, b.x, 1.0 + b.w), vec3f(b.y, b.z, 1.5)";
+    let body = format!("triangle_hit({corners}, vec3f(0.02, 0.03, 1.0))");
+    compare("triangle_hit", &body, 1e-3, input, |[a, b]| {
+        let corners = [[a.x, a.y, 1.0 + a.w], [a.z, b.x, 1.0 + b.w], [b.y, b.z, 1.5]].map(glam::Vec3::from);
+        let hit =
+            triangle_hit::triangle_hit(corners[0], corners[1], corners[2], glam::Vec3::new(0.02, 0.03, 1.0));
+        // Slivers amplify rounding.
+        let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).z.abs();
+        if area > 1e-3 { hit } else { hit.round() }
+    });
+    let body = "vec4f(f32(micro_triangle(a.x, a.y, u32(a.z * 64.0) + 1u)), 0.0, 0.0, 0.0)";
+    compare(
+        "micromap",
+        body,
+        0.0,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            let number = micromap::micro_triangle(a.x, a.y, (a.z * 64.0) as u32 + 1);
+            Vec4::new(number as f32, 0.0, 0.0, 0.0)
+        },
+    );
 }

@@ -15,6 +15,7 @@ mod level_of_detail;
 mod lights;
 mod masks;
 mod motion;
+mod rays;
 mod reflectance;
 mod rivals;
 mod rotation;

@@ -70,7 +70,9 @@ fn holes_cast_no_shadow() {
     let masked = plate(material(AlphaMode::Mask { cutoff: 0.5 }), false);
     let opaque = plate(material(AlphaMode::Opaque), false);
     let half = plate(Material::default(), true);
-    for (shadows, near) in [("pcss", false), ("hard", false), ("pcss", true), ("hard", true)] {
+    for (shadows, near) in
+        [("pcss", false), ("hard", false), ("rays", false), ("pcss", true), ("hard", true), ("rays", true)]
+    {
         let of = |scene: &Scene| shadow(&gpu, shadows, scene, near);
         let right = of(&half);
         let error = |picture: RgbImage| compare(&picture, &right, None).unwrap().relative_rmse;

@@ -18,11 +18,21 @@ fn poses_look_as_ray_traced() {
     let map = gnomon_envmap::builtin::sized("room", 256, 128).unwrap();
     let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
     let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
-    let mut renderer = Renderer::new(&gpu, RenderSettings::default()).unwrap();
-    renderer.set_lighting(&map, &set).unwrap();
-    for (name, clip, share) in
-        [("BrainStem", 0, 0.45), ("RobotExpressive", 0, 0.3), ("Fox", 2, 0.3), ("AnimatedMorphCube", 0, 0.45)]
-    {
+    let mut renderers = ["pcss", "rays"].map(|shadows| {
+        let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
+        let mut renderer = Renderer::new(&gpu, settings).unwrap();
+        renderer.set_lighting(&map, &set).unwrap();
+        renderer
+    });
+    for (name, clip, share, by_rays) in [
+        ("BrainStem", 0, 0.45, false),
+        ("RobotExpressive", 0, 0.3, false),
+        ("RobotExpressive", 0, 0.3, true),
+        ("Fox", 2, 0.3, true),
+        ("AnimatedMorphCube", 0, 0.45, false),
+        ("AnimatedMorphCube", 0, 0.45, true),
+    ] {
+        let renderer = &mut renderers[usize::from(by_rays)];
         let Some(path) = gnomon_testing::data_file(&format!("models/{name}.glb")) else { return };
         let mut scene =
             gnomon_scene_files::load(&path, &LoadOptions { aspect: 4.0 / 3.0, ..Default::default() })

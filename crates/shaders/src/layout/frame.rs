@@ -181,6 +181,8 @@ super::structs! {
         pub bias_scale: f32,
         /// Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
         pub vector_irradiance: Vec3,
+        /// Place in the frame's list of lights, whatever batch it is in.
+        pub number: u32,
     }
 
     /// A batch of lights whose maps are held together.

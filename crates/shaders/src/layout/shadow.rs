@@ -1,10 +1,18 @@
 //! Parameters of shadow techniques.
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 super::constants! {
     /// Rows or columns of a summed-area table a workgroup.
     pub const LINE_WORKGROUP: u32 = 32;
+    /// Nodes that are refitted by a workgroup.
+    pub const RAY_WORKGROUP: u32 = 64;
+    /// What [`RayNode::members`] counts in.
+    pub const RAY_LEAF: u32 = 8;
+    /// Instead of a number of triangles: the node's one member is an instance.
+    pub const RAY_INSTANCE: u32 = 7;
+    /// Points of a light that rays go to.
+    pub const LIGHT_POINTS: u32 = 64;
 }
 
 super::structs! {
@@ -36,6 +44,19 @@ super::structs! {
         pub depth_bias: f32,
         /// Factor on the lights' offset along the normal.
         pub normal_offset_scale: f32,
+    }
+
+    /// A node of the hierarchies of boxes that rays are traced through.
+    pub struct RayNode {
+        /// Least coordinates.
+        pub low: Vec3,
+        /// The node after all that lie below this one.
+        pub skip: u32,
+        /// Greatest coordinates.
+        pub high: Vec3,
+        /// Of a leaf [`RAY_LEAF`] times its first triangle, or the first node of its instance, plus the number of triangles or
+        /// [`RAY_INSTANCE`]; 0 of any other node.
+        pub members: u32,
     }
 
     /// Parameters of moment soft shadow maps.

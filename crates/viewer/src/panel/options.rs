@@ -91,7 +91,10 @@ fn condition(look: &Look) -> impl Fn(&OptionSpec) -> bool + use<> {
             chosen.insert(spec.name(), name);
         }
     });
-    move |spec| spec.condition().is_none_or(|(name, value)| chosen.get(name).is_some_and(|is| is == value))
+    move |spec| {
+        spec.condition()
+            .is_none_or(|(name, values)| chosen.get(name).is_some_and(|is| values.contains(&is.as_str())))
+    }
 }
 
 fn control(

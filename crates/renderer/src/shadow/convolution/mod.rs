@@ -41,7 +41,7 @@ choices! {
 static GROUP: Group = Group {
     table: "convolution",
     heading: "Convolution soft shadows (convolution)",
-    condition: Some(("shadows", "convolution")),
+    condition: Some(("shadows", &["convolution"])),
 };
 
 settings! {

@@ -1,0 +1,263 @@
+//! The scene as rays see it: hierarchies of boxes around its triangles, brought to where the vertices are every time they move.
+//!
+//! Every mesh has a hierarchy of its own, built once on the CPU; every instance has its copy, whose boxes follow the vertices on the GPU, so
+//! that deformation costs no more than a placement. Above them is one around the instances, built anew with every pose: what moves apart
+//! does not spoil it.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use gnomon_scene::{Bounds, Mesh};
+use gnomon_shaders::layout;
+use rayon::prelude::*;
+
+use crate::bindings::Binding;
+use crate::casters::PlacedBoxes;
+use crate::geometry::{Geometry, PlacedMesh};
+use crate::recorder::Recorder;
+use crate::{Gpu, RenderError};
+
+mod hierarchy;
+mod micromap;
+
+use hierarchy::Hierarchy;
+pub(crate) use micromap::Micromaps;
+
+/// Bytes of a triangle on the GPU.
+const TRIANGLE_BYTES: u64 = 48;
+
+/// Whether an adapter holds the triangles of a scene for rays.
+pub(crate) fn has_room_for(gpu: &Gpu, geometry: &Geometry) -> bool {
+    u64::from(geometry.index_count / 3) * TRIANGLE_BYTES <= gpu.largest_storage()
+}
+
+/// Brings boxes to the vertices.
+pub(crate) struct RefitPass {
+    layout: wgpu::BindGroupLayout,
+    leaves: wgpu::ComputePipeline,
+    nodes: wgpu::ComputePipeline,
+}
+
+impl RefitPass {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let read = Binding::Storage { read_only: true };
+        let write = Binding::Storage { read_only: false };
+        let bindings = [(0, read), (1, read), (2, read), (3, write), (4, write), (5, Binding::Uniform)];
+        let layout = gpu.layout("ray refit", wgpu::ShaderStages::COMPUTE, &bindings);
+        let shader = gpu.shader("ray_refit", &[])?;
+        let pipeline = |entry| gpu.compute_pipeline(&shader, entry, &[(layout::GROUP_PASS, &layout)]);
+        Ok(Self { leaves: pipeline("refit_leaves"), nodes: pipeline("refit_nodes"), layout })
+    }
+}
+
+/// Hierarchies on the GPU.
+pub(crate) struct RayScene {
+    /// [`layout::RayNode`]s: the upper level, then every instance's.
+    pub nodes: wgpu::Buffer,
+    /// Triangles and micromaps, see `ray_scene.wgsl`.
+    pub triangles: wgpu::Buffer,
+    /// Of each instance its place in the geometry and the first of its nodes.
+    instances: Vec<(usize, u32)>,
+    /// From the lowest nodes to the highest.
+    levels: Vec<Level>,
+    /// By the address of their mesh, which is kept from being used for another.
+    hierarchies: HashMap<usize, (Arc<Mesh>, Arc<Hierarchy>)>,
+    is_stale: bool,
+}
+
+/// Nodes that are all as high.
+struct Level {
+    count: u32,
+    group: wgpu::BindGroup,
+}
+
+impl RayScene {
+    /// Of a geometry. Hierarchies that `before` has of the same meshes, by their `Arc`, are not built again.
+    ///
+    /// # Errors
+    /// [`RenderError::OverLimit`] for more triangles or nodes than a buffer holds.
+    pub fn new(
+        gpu: &Gpu,
+        pass: &RefitPass,
+        geometry: &Geometry,
+        before: Option<&Self>,
+    ) -> Result<Self, RenderError> {
+        let placed: Vec<PlacedMesh<'_>> = geometry.placed_meshes().collect();
+        let hierarchies = hierarchies(&placed, before);
+        let of = |mesh: &Arc<Mesh>| &hierarchies[&address(mesh)].1;
+        let top_count = (2 * placed.len()).max(1);
+        let node_count = top_count + placed.iter().map(|place| of(place.mesh).nodes.len()).sum::<usize>();
+        let triangle_count: usize = placed.iter().map(|place| place.mesh.triangles.len()).sum();
+        let largest = gpu.largest_storage();
+        let most = (largest / TRIANGLE_BYTES).min(u64::from(u32::MAX / layout::RAY_LEAF));
+        let most_nodes = (largest / layout::size::<layout::RayNode>()).min(most);
+        if triangle_count as u64 > most || node_count as u64 > most_nodes {
+            return Err(RenderError::OverLimit {
+                what: "triangles for rays",
+                wanted: triangle_count as u64,
+                limit: most.min(most_nodes),
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+
+        let mut nodes = vec![layout::RayNode::default(); top_count];
+        let mut indices: Vec<[u32; 4]> = Vec::with_capacity(triangle_count);
+        let mut micromap_words: Vec<u32> = Vec::new();
+        let mut micromaps: HashMap<*const Micromaps, u32> = HashMap::new();
+        let mut instances = Vec::with_capacity(placed.len());
+        let mut by_height: Vec<Vec<u32>> = Vec::new();
+        for (number, place) in placed.iter().enumerate() {
+            let hierarchy = of(place.mesh);
+            if hierarchy.nodes.is_empty() {
+                continue;
+            }
+            let (first_node, first_triangle) = (nodes.len() as u32, indices.len() as u32);
+            instances.push((number, first_node));
+            nodes.extend(hierarchy.nodes.iter().map(|node| layout::RayNode {
+                skip: first_node + node.skip,
+                members: match node.count {
+                    0 => 0,
+                    count => (first_triangle + node.first) * layout::RAY_LEAF + count,
+                },
+                ..Default::default()
+            }));
+            for (i, height) in (first_node..).zip(hierarchy.heights()) {
+                let height = height as usize;
+                if by_height.len() <= height {
+                    by_height.resize_with(height + 1, Vec::new);
+                }
+                by_height[height].push(i);
+            }
+            let micromap = place.micromaps.map(|maps| {
+                let first = *micromaps.entry(std::ptr::from_ref(maps)).or_insert_with(|| {
+                    let first = micromap_words.len() as u32 / 4;
+                    for words in maps.words.chunks(maps.words_each() as usize) {
+                        micromap_words.extend([maps.divisions, 0, 0, 0]);
+                        micromap_words.extend(words);
+                    }
+                    first
+                });
+                (3 * triangle_count as u32 + first, maps.words_each() / 4 + 1)
+            });
+            indices.extend(hierarchy.order.iter().map(|&triangle| {
+                let [a, b, c] =
+                    place.mesh.triangles[triangle as usize].map(|index| place.first_vertex + index);
+                [a, b, c, micromap.map_or(0, |(first, each)| first + each * triangle)]
+            }));
+        }
+
+        let storage = wgpu::BufferUsages::STORAGE;
+        let copied = storage | wgpu::BufferUsages::COPY_DST;
+        let micromap_offset = TRIANGLE_BYTES * triangle_count as u64;
+        let bytes = micromap_offset + 4 * micromap_words.len() as u64;
+        if bytes > largest {
+            return Err(RenderError::OverLimit {
+                what: "bytes of triangles and masks for rays",
+                wanted: bytes,
+                limit: largest,
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+        let triangles = gpu.empty_buffer("ray triangles", bytes, copied);
+        gpu.write_bytes(&triangles, micromap_offset, bytemuck::cast_slice(&micromap_words));
+        let nodes = gpu.shared_buffer("ray nodes", nodes.as_slice(), copied);
+        let indices = gpu.buffer_with("ray indices", bytemuck::cast_slice(&indices), storage);
+        let order =
+            gpu.buffer_with("ray nodes by height", bytemuck::cast_slice(&by_height.concat()), storage);
+        let [positions_world, ..] = geometry.vertex_buffers();
+        let mut first = 0;
+        let level = |members: &Vec<u32>| {
+            let count = members.len() as u32;
+            let range = [first, first + count];
+            first += count;
+            let range = gpu.buffer_with("ray level", bytemuck::bytes_of(&range), wgpu::BufferUsages::UNIFORM);
+            let buffers = [positions_world, &indices, &order, &nodes, &triangles, &range];
+            let resources: Vec<_> =
+                (0..).zip(buffers).map(|(number, buffer)| (number, buffer.as_entire_binding())).collect();
+            Level { count, group: gpu.bind_group("ray refit", &pass.layout, &resources) }
+        };
+        let levels = by_height.iter().map(level).collect();
+        Ok(Self { nodes, triangles, instances, levels, hierarchies, is_stale: true })
+    }
+
+    /// Vertices are elsewhere from now on.
+    pub fn moved(&mut self) {
+        self.is_stale = true;
+    }
+
+    /// Brings everything to where the frame's vertices are, unless nothing has moved since.
+    pub fn encode(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>, pass: &RefitPass, geometry: &Geometry) {
+        if !std::mem::take(&mut self.is_stale) {
+            return;
+        }
+        gpu.write(&self.nodes, self.upper_level(&geometry.placed_boxes).as_slice());
+        for (height, level) in self.levels.iter().enumerate() {
+            let groups = level.count.div_ceil(layout::RAY_WORKGROUP);
+            let x = groups.min(1024);
+            // Each level reads what the one before it wrote.
+            let mut compute = recorder.encoder.begin_compute_pass(&Default::default());
+            compute.set_pipeline(if height == 0 { &pass.leaves } else { &pass.nodes });
+            compute.set_bind_group(layout::GROUP_PASS, &level.group, &[]);
+            compute.dispatch_workgroups(x, groups.div_ceil(x.max(1)), 1);
+        }
+    }
+
+    /// Nodes around the instances.
+    fn upper_level(&self, placed: &PlacedBoxes) -> Vec<layout::RayNode> {
+        let mut boxes: HashMap<usize, Bounds> = HashMap::new();
+        for place in &placed.boxes {
+            let Some(around) = Bounds::around(place.corners) else { continue };
+            let joined = boxes.entry(place.instance).or_insert(around);
+            *joined = Bounds { min: joined.min.min(around.min), max: joined.max.max(around.max) };
+        }
+        let (members, boxes): (Vec<u32>, Vec<Bounds>) = self
+            .instances
+            .iter()
+            .filter_map(|(instance, first)| Some((*first, *boxes.get(instance)?)))
+            .unzip();
+        let hierarchy = Hierarchy::new(&boxes, 1);
+        let node = |node: &hierarchy::Node| {
+            // Boxes of placed meshes round as vertices do.
+            let padding = 1e-6 * node.bounds.min.abs().max(node.bounds.max.abs());
+            layout::RayNode {
+                low: node.bounds.min - padding,
+                skip: node.skip,
+                high: node.bounds.max + padding,
+                members: match node.count {
+                    0 => 0,
+                    _ => {
+                        let member = hierarchy.order[node.first as usize];
+                        members[member as usize] * layout::RAY_LEAF + layout::RAY_INSTANCE
+                    }
+                },
+            }
+        };
+        let mut nodes: Vec<_> = hierarchy.nodes.iter().map(node).collect();
+        if nodes.is_empty() {
+            // A box that no ray meets.
+            let (low, high) = (glam::Vec3::MAX, glam::Vec3::MIN);
+            nodes.push(layout::RayNode { low, skip: 1, high, members: 0 });
+        }
+        nodes
+    }
+}
+
+fn address(mesh: &Arc<Mesh>) -> usize {
+    Arc::as_ptr(mesh) as usize
+}
+
+/// By the address of their mesh.
+fn hierarchies(
+    placed: &[PlacedMesh<'_>],
+    before: Option<&RayScene>,
+) -> HashMap<usize, (Arc<Mesh>, Arc<Hierarchy>)> {
+    let meshes: HashMap<usize, &Arc<Mesh>> =
+        placed.iter().map(|place| (address(place.mesh), place.mesh)).collect();
+    let hierarchy = |(address, mesh): (usize, &Arc<Mesh>)| {
+        let known =
+            before.and_then(|before| before.hierarchies.get(&address)).map(|(_, known)| known.clone());
+        let made = || Arc::new(Hierarchy::of_triangles(&mesh.positions, &mesh.triangles));
+        (address, (Arc::clone(mesh), known.unwrap_or_else(made)))
+    };
+    meshes.into_par_iter().map(hierarchy).collect()
+}
