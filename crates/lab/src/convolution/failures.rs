@@ -58,7 +58,7 @@ impl Experiment for Failures {
             let name = setup.view.name;
             lab.tell(&format!("failures: {name}"), step as f32 / 3.0);
             let truth = lab.truth_of_lights(&setup, lab.pick(2, 256, 1024))?;
-            for variant in [Variant::mip(4), Variant::technique("pcss")] {
+            for variant in [Variant::mip(4), Variant::technique("pcss"), Variant::technique("rays")] {
                 let Some(drawn) = variant.drawn(lab, setup, &frame, &truth.picture)? else { continue };
                 let comparison = &drawn.comparison;
                 table.push([
