@@ -3,7 +3,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use gnomon_scene::{AlphaMode, Bounds, Instance, MaterialId, Mesh, Pose, Scene, SimplerTriangles, SkinId};
+use gnomon_scene::{
+    AlphaMode, Bounds, Instance, MaterialId, Mesh, Pose, Scene, SimplerTriangles, SkinId, Texture, TextureRef,
+};
 
 use crate::casters::{InstanceBox, PlacedBoxes, SimplerIndices};
 use crate::deformation::{DeformableBoxes, PoseData};
@@ -74,10 +76,42 @@ pub(crate) struct MovedGeometry {
 struct Kept {
     mesh: Arc<Mesh>,
     material: Option<MaterialId>,
-    is_masked: bool,
+    mask: Option<Mask>,
     skin: Option<SkinId>,
     /// Of a masked mesh.
     micromaps: Option<Arc<Micromaps>>,
+}
+
+/// What tells where an alpha mask has holes, beside the mesh.
+struct Mask {
+    mode: AlphaMode,
+    alpha: f32,
+    texture: Option<(TextureRef, Arc<Texture>)>,
+}
+
+impl PartialEq for Mask {
+    fn eq(&self, other: &Self) -> bool {
+        let same_texture = match (&self.texture, &other.texture) {
+            (Some((place, texture)), Some((other_place, other))) => {
+                place == other_place && (Arc::ptr_eq(texture, other) || texture == other)
+            }
+            (texture, other) => texture.is_none() && other.is_none(),
+        };
+        (self.mode, self.alpha) == (other.mode, other.alpha) && same_texture
+    }
+}
+
+impl Mask {
+    fn of(scene: &Scene, mesh: &Mesh) -> Option<Self> {
+        let material = scene.materials.get(mesh.material?.0)?;
+        let texture =
+            |texture: TextureRef| Some((texture, Arc::clone(scene.textures.get(texture.texture.0)?)));
+        is_masked(scene, mesh).then(|| Self {
+            mode: material.alpha_mode,
+            alpha: material.alpha,
+            texture: material.base_color_texture.and_then(texture),
+        })
+    }
 }
 
 /// A mesh that is placed, as rays see it.
@@ -92,8 +126,8 @@ pub(crate) struct PlacedMesh<'a> {
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
-        let is_masked = is_masked(scene, &mesh);
-        Self { material: mesh.material, is_masked, mesh, skin: instance.skin, micromaps: None }
+        let mask = Mask::of(scene, &mesh);
+        Self { material: mesh.material, mask, mesh, skin: instance.skin, micromaps: None }
     }
 }
 
@@ -101,8 +135,8 @@ impl PartialEq for Kept {
     fn eq(&self, other: &Self) -> bool {
         // A mesh that was made anew, such as a ground, may be the same.
         let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh) || self.mesh == other.mesh;
-        let rest = |kept: &Self| (kept.material, kept.is_masked, kept.skin);
-        same_mesh && rest(self) == rest(other)
+        let rest = |kept: &Self| (kept.material, kept.skin);
+        same_mesh && rest(self) == rest(other) && self.mask == other.mask
     }
 }
 
@@ -374,7 +408,7 @@ fn kept(scene: &Scene, placed: &[Instance]) -> Vec<Kept> {
     let mut micromaps: HashMap<usize, Arc<Micromaps>> = HashMap::new();
     let mut kept = |instance: &Instance| {
         let mut kept = Kept::new(scene, instance);
-        if kept.is_masked {
+        if kept.mask.is_some() {
             let made = || Arc::new(Micromaps::new(scene, instance.mesh));
             kept.micromaps = Some(micromaps.entry(address(&kept.mesh)).or_insert_with(made).clone());
         }

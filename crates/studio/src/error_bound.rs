@@ -25,17 +25,38 @@ struct Rung {
     /// Sampling of wide and of sharp lights.
     shadow_samplings: [u32; 2],
     supersample: u32,
+    /// Rays to a light, where they are traced: in interiors, or everywhere.
+    rays: u32,
+    rays_everywhere: bool,
+}
+
+impl Rung {
+    const fn maps(
+        lights: usize,
+        shadow_resolutions: [u32; 2],
+        shadow_samplings: [u32; 2],
+        supersample: u32,
+        rays: u32,
+    ) -> Self {
+        Self { lights, shadow_resolutions, shadow_samplings, supersample, rays, rays_everywhere: false }
+    }
+
+    const fn rays(lights: usize, shadow_samplings: [u32; 2], rays: u32) -> Self {
+        let shadow_resolutions = [256, 2048];
+        Self { lights, shadow_resolutions, shadow_samplings, supersample: 4, rays, rays_everywhere: true }
+    }
 }
 
 /// From cheap to dear; the third is what pictures are drawn with by default. Each is dearer in what left most of the error on the training scenes:
-/// first edges and the shadows of small lights, then the number of lights.
-const LADDER: [Rung; 6] = [
-    Rung { lights: 16, shadow_resolutions: [128, 512], shadow_samplings: [16, 8], supersample: 2 },
-    Rung { lights: 32, shadow_resolutions: [256, 1024], shadow_samplings: [8, 4], supersample: 2 },
-    Rung { lights: 48, shadow_resolutions: [256, 2048], shadow_samplings: [8, 4], supersample: 4 },
-    Rung { lights: 96, shadow_resolutions: [512, 4096], shadow_samplings: [4, 2], supersample: 4 },
-    Rung { lights: 200, shadow_resolutions: [1024, 4096], shadow_samplings: [2, 1], supersample: 4 },
-    Rung { lights: 400, shadow_resolutions: [2048, 4096], shadow_samplings: [1, 1], supersample: 4 },
+/// first edges and the shadows of small lights, then the number of lights, then what a map of one layer cannot tell.
+const LADDER: [Rung; 7] = [
+    Rung::maps(16, [128, 512], [16, 8], 2, 4),
+    Rung::maps(32, [256, 1024], [8, 4], 2, 8),
+    Rung::maps(48, [256, 2048], [8, 4], 4, 16),
+    Rung::maps(96, [512, 4096], [4, 2], 4, 32),
+    Rung::rays(96, [4, 2], 32),
+    Rung::rays(200, [4, 2], 32),
+    Rung::rays(400, [2, 1], 32),
 ];
 
 impl Rung {
@@ -46,6 +67,10 @@ impl Rung {
         [techniques.shadow_resolution, techniques.sharp_shadow_resolution] = self.shadow_resolutions;
         [techniques.shadow_sampling, techniques.sharp_shadow_sampling] = self.shadow_samplings;
         techniques.supersample = self.supersample;
+        techniques.shadow_settings.rays.samples = self.rays;
+        if self.rays_everywhere {
+            techniques.shadows = "rays".to_owned();
+        }
         given.apply(&mut look);
         look
     }
@@ -135,10 +160,15 @@ mod tests {
             assert_eq!((supersample, shadow_sampling), (3, 2));
             assert_eq!((look.fit.light_count, look.fit.threshold), (None, Some(0.1)));
         }
-        let rest = ["shadow-resolution", "sharp-shadow-resolution", "sharp-shadow-sampling"];
-        for name in rest {
+        for (name, text) in [
+            ("shadow-resolution", "64"),
+            ("sharp-shadow-resolution", "64"),
+            ("sharp-shadow-sampling", "8"),
+            ("shadows", "pcss"),
+            ("rays-samples", "8"),
+        ] {
             let spec = specs::<Look>().into_iter().find(|spec| spec.name() == name).unwrap();
-            given.parse(spec, "64").or_else(|_| given.parse(spec, "8")).unwrap();
+            given.parse(spec, text).unwrap();
         }
         assert_eq!(ErrorBound { given, ..bound }.looks(&default).len(), 1, "nothing is left to choose");
     }

@@ -6,7 +6,7 @@ use crate::common::*;
 use glam::{Affine2, Vec2, Vec3};
 use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;
-use gnomon_renderer::{Gpu, RenderSettings};
+use gnomon_renderer::{Gpu, RenderSettings, Renderer};
 use gnomon_scene::{
     AlphaMode, AreaLight, AreaLightShape, Camera, Material, MaterialId, Mesh, Node, NodeId, Projection,
     Scene, Texture, TextureId, TextureRef, Wrap,
@@ -34,18 +34,25 @@ fn material(alpha_mode: AlphaMode) -> Material {
     Material { base_color_texture: Some(texture), alpha_mode, ..Material::default() }
 }
 
-/// The floor beside the plate, under a light whose shadow falls there.
-fn shadow(gpu: &Gpu, shadows: &str, scene: &Scene, near: bool) -> RgbImage {
-    let settings = RenderSettings::default().with(|s| {
+fn settings(shadows: &str) -> RenderSettings {
+    RenderSettings::default().with(|s| {
         s.techniques.shadows = shadows.to_owned();
         s.techniques.compositing = "additive".to_owned();
         s.techniques.supersample = 1;
         s.techniques.shadow_sampling = 1;
-    });
-    let camera = Camera {
+    })
+}
+
+/// Beside the plate.
+fn camera() -> Camera {
+    Camera {
         projection: Projection::Orthographic { half_width: 0.9 },
         ..Camera::look_at(Vec3::new(1.6, 0.9, 1e-3), Vec3::new(1.6, 0.0, 0.0), 1.0)
-    };
+    }
+}
+
+/// The floor beside the plate, under a light whose shadow falls there.
+fn shadow(gpu: &Gpu, shadows: &str, scene: &Scene, near: bool) -> RgbImage {
     let mut scene = scene.clone();
     let set = if near {
         let down = glam::Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y);
@@ -61,7 +68,7 @@ fn shadow(gpu: &Gpu, shadows: &str, scene: &Scene, near: bool) -> RgbImage {
     } else {
         one_disk(Vec3::new(-1.5, 1.0, 0.0).normalize(), 0.02)
     };
-    render(gpu, settings, &scene, &no_light(), &set, &camera, [48, 48]).radiance
+    render(gpu, settings(shadows), &scene, &no_light(), &set, &camera(), [48, 48]).radiance
 }
 
 #[test]
@@ -80,5 +87,24 @@ fn holes_cast_no_shadow() {
         println!("{shadows}, near {near}: {masked:.4}, a whole plate {opaque:.4}");
         assert!(masked <= tolerances::MASKED_SHADOW, "{shadows}, near {near}: {masked}");
         assert!(opaque > 5.0 * tolerances::MASKED_SHADOW, "{shadows}, near {near}: a whole plate {opaque}");
+    }
+}
+
+#[test]
+fn another_threshold_cuts_other_holes() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let of = |cutoff| plate(material(AlphaMode::Mask { cutoff }), false);
+    let set = one_disk(Vec3::new(-1.5, 1.0, 0.0).normalize(), 0.02);
+    for shadows in ["pcss", "rays"] {
+        let mut renderer = Renderer::new(&gpu, settings(shadows)).unwrap();
+        renderer.set_lighting(&no_light(), &set).unwrap();
+        let mut drawn = |scene: &Scene| {
+            renderer.set_materials(scene).unwrap();
+            renderer.render(&camera(), 48, 48).unwrap().radiance
+        };
+        // Nothing is below 0: the whole plate casts its shadow.
+        let (half, whole, half_again) = (drawn(&of(0.5)), drawn(&of(0.0)), drawn(&of(0.5)));
+        assert_eq!(half, half_again, "{shadows}");
+        assert!(compare(&whole, &half, None).unwrap().relative_rmse > 0.2, "{shadows}");
     }
 }
