@@ -23,12 +23,25 @@ fn normal_power_at(sample: vec2u) -> f32 {
 
 // Weight of a shading point of a list for a sample of the picture.
 fn point_weight(list: u32, point: ShadingPoint, sample: vec2u, position_world: vec3f, n: vec3f, normal_power: f32) -> f32 {
+    return wide_point_weight(list, point, sample, position_world, n, normal_power, 1.0);
+}
+
+// The same, `widening` times as wide across the screen.
+fn wide_point_weight(
+    list: u32,
+    point: ShadingPoint,
+    sample: vec2u,
+    position_world: vec3f,
+    n: vec3f,
+    normal_power: f32,
+    widening: f32,
+) -> f32 {
     let side = f32(view.point_lists[list].sampling);
     let place = sample_place(vec2u(point.sample % view.size.x, point.sample / view.size.x));
     let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
     let normal = octahedral_decode(unpack2x16float(point.normal));
     let height = dot(n, position - position_world) / (side * sample_extent_at(position_world));
-    return resample_weight((place - sample_place(sample)) / side, height, dot(n, normal), normal_power);
+    return resample_weight((place - sample_place(sample)) / (side * widening), height, dot(n, normal), normal_power);
 }
 
 // Number of the point of the `i`-th of the nine tiles around a sample, row by row, the fifth its own.
@@ -42,6 +55,9 @@ fn neighbour_point(list: u32, sample: vec2u, i: i32) -> u32 {
     return point_of_tile[view.point_lists[list].first_tile + u32(tile.y * tiles.x + tile.x)];
 }
 
+// Sums by few rays are grainy, each tile's another way than those beside it: a wider mean takes most of that out.
+const GRAINY_WIDENING: f32 = 1.4;
+
 // The mean of the sums of the tiles around a sample.
 fn gathered_sums(list: u32, sample: vec2u, position_world: vec3f, n: vec3f) -> LightSums {
     var sums: LightSums;
@@ -53,12 +69,13 @@ fn gathered_sums(list: u32, sample: vec2u, position_world: vec3f, n: vec3f) -> L
         return sums;
     }
     let normal_power = normal_power_at(sample);
+    let widening = select(1.0, GRAINY_WIDENING, (view.flags & FLAG_GRAINY_SUMS) != 0u);
     var weights = 0.0;
     var last = NO_POINT;
     for (var i = 0; i < 9; i++) {
         let point = neighbour_point(list, sample, i);
         if point != NO_POINT {
-            let weight = point_weight(list, points[point], sample, position_world, n, normal_power);
+            let weight = wide_point_weight(list, points[point], sample, position_world, n, normal_power, widening);
             if weight > NEGLIGIBLE_WEIGHT {
                 add_weighted(&sums, weight, load_sums(point));
                 weights += weight;

@@ -27,6 +27,8 @@ super::constants! {
     pub const FLAG_NEAR_SUMS: u32 = 8;
     /// [`View::flags`]: the lights leave out what arrives nowhere, so that unshadowed light is theirs and not the whole environment's.
     pub const FLAG_OMITS_HIDDEN: u32 = 16;
+    /// [`View::flags`]: light is summed with visibilities by few rays.
+    pub const FLAG_GRAINY_SUMS: u32 = 32;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
