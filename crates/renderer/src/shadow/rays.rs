@@ -2,10 +2,9 @@ use gnomon_options::{Group, settings, whole};
 
 use super::ShadowSettings;
 use super::depth_maps::MapDepth;
-use super::technique::{FrameInputs, ShadowContext, ShadowMemory, ShadowResources, ShadowTechnique};
+use super::technique::{Bound, ShadowContext, ShadowMemory, ShadowResources, ShadowTechnique};
 use crate::RenderError;
 use crate::bindings::Binding;
-use crate::recorder::Recorder;
 
 static GROUP: Group =
     Group { table: "rays", heading: "Shadow rays (rays)", condition: Some(("shadows", &["auto", "rays"])) };
@@ -72,25 +71,6 @@ impl ShadowTechnique for Rays {
             (3, wgpu::BindingResource::TextureView(targets.light_points)),
         ];
         let bind_group = gpu.bind_group("shadow rays", &layout, &resources);
-        Ok(Box::new(Resources { layout, bind_group }))
-    }
-}
-
-struct Resources {
-    layout: wgpu::BindGroupLayout,
-    bind_group: wgpu::BindGroup,
-}
-
-impl ShadowResources for Resources {
-    fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
-    }
-
-    fn bind_group(&self) -> &wgpu::BindGroup {
-        &self.bind_group
-    }
-
-    fn prepare(&self, _: &mut Recorder<'_>, _: &FrameInputs<'_>) -> Result<(), RenderError> {
-        Ok(())
+        Ok(Box::new(Bound { layout, bind_group }))
     }
 }

@@ -68,6 +68,26 @@ pub(crate) trait ShadowResources: Send {
     }
 }
 
+/// Resources of which nothing is made for a frame.
+pub(super) struct Bound {
+    pub layout: wgpu::BindGroupLayout,
+    pub bind_group: wgpu::BindGroup,
+}
+
+impl ShadowResources for Bound {
+    fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    fn bind_group(&self) -> &wgpu::BindGroup {
+        &self.bind_group
+    }
+
+    fn prepare(&self, _: &mut Recorder<'_>, _: &FrameInputs<'_>) -> Result<(), RenderError> {
+        Ok(())
+    }
+}
+
 /// GPU memory that a technique needs [bytes].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ShadowMemory {
