@@ -31,7 +31,7 @@ fn share_seen(shadowed: f32, unshadowed: f32) -> vec3f {
 
 fn points_of(sample: vec2u) -> vec3f {
     let of_tile = neighbour_point(view.point_list_count - 1u, sample, 4);
-    if of_tile != NO_POINT && points[of_tile].sample == sample.y * view.size.x + sample.x {
+    if of_tile != NO_POINT && points[of_tile].sample == pack_place(sample) {
         return vec3f(1.0);
     }
     if own_point(sample) != NO_POINT {

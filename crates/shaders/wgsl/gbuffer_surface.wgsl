@@ -26,6 +26,15 @@ struct Surface {
     emission: vec3f,
 }
 
+// A place in the picture as one number.
+fn pack_place(sample: vec2u) -> u32 {
+    return sample.x | (sample.y << 16u);
+}
+
+fn unpack_place(place: u32) -> vec2u {
+    return vec2u(place & 0xffffu, place >> 16u);
+}
+
 // Depth of a sample, 0 where it shows the background.
 fn depth_at(sample: vec2u) -> f32 {
     return textureLoad(gbuffer_depth, gbuffer_texel(sample), 0);

@@ -4,6 +4,8 @@
 // 2 x 2 share a row or column, so that edges that are almost upright or level have four steps instead of two. A raster has its
 // samples in rows; so each of the four kinds is drawn by itself, moved, into a quarter of the G-buffer.
 
+// Shifts stand for divisions by numbers that are powers of two: a whole division costs as much as the lookup it is for.
+
 // From the middle of a sample's cell [samples]; `part` is its place among `view.interleave` x `view.interleave` neighbours.
 fn sample_offset(part: vec2u) -> vec2f {
     if view.interleave == 1u {
@@ -14,7 +16,7 @@ fn sample_offset(part: vec2u) -> vec2f {
 
 // A sample's place in the picture, from its upper left corner [samples].
 fn sample_place(sample: vec2u) -> vec2f {
-    return vec2f(sample) + 0.5 + sample_offset(sample % view.interleave);
+    return vec2f(sample) + 0.5 + sample_offset(sample & vec2u(view.interleave - 1u));
 }
 
 // The same in normalised device coordinates.
@@ -29,7 +31,8 @@ fn spread_sample(corner: vec2u, side: u32, i: u32) -> vec2u {
 
 // A sample's texel in the G-buffer.
 fn gbuffer_texel(sample: vec2u) -> vec2u {
-    return (sample % view.interleave) * (view.size / view.interleave) + sample / view.interleave;
+    let shift = vec2u(firstTrailingBit(view.interleave));
+    return (sample & vec2u(view.interleave - 1u)) * (view.size >> shift) + (sample >> shift);
 }
 
 // By how much a part is moved, in clip space for w = 1, so that its samples fall on texel centres.

@@ -42,7 +42,7 @@ fn shading_point(sample: vec2u, depth: f32) -> ShadingPoint {
     let position = position_at(sample, depth);
     return ShadingPoint(
         array(position.x, position.y, position.z),
-        sample.y * view.size.x + sample.x,
+        pack_place(sample),
         pack2x16float(octahedral_encode(normal_at(sample))),
     );
 }
@@ -56,9 +56,14 @@ fn first_point() -> u32 {
     return atomicLoad(&work[WORK_STAGES + WORK_STAGE * (first_stage - 1u) + 3u]);
 }
 
+// A sample's place in `point_of_sample`.
+fn number_of(sample: vec2u) -> u32 {
+    return sample.y * view.size.x + sample.x;
+}
+
 // Whether a sample has a point of this list to itself.
 fn has_own_point(sample: vec2u) -> bool {
-    let own = point_of_sample[sample.y * view.size.x + sample.x];
+    let own = point_of_sample[number_of(sample)];
     return own != NO_POINT && own >= first_point();
 }
 
@@ -69,7 +74,7 @@ fn put(place: u32, point: ShadingPoint) -> u32 {
     }
     points[place] = point;
     if stage.list > 0u {
-        let own = point_of_sample[point.sample];
+        let own = point_of_sample[number_of(unpack_place(point.sample))];
         diffuse_sums[place] = vec4u(select(own, NO_POINT, own >= first_point()));
     }
     return place;
@@ -89,7 +94,7 @@ fn inherit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
     if own != NO_POINT {
         sums = load_sums(own);
     } else {
-        let sample = vec2u(point.sample % view.size.x, point.sample / view.size.x);
+        let sample = unpack_place(point.sample);
         let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
         sums = gathered_sums(stage.list - 1u, sample, position, normal_at(sample));
     }
@@ -138,9 +143,11 @@ fn find_edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocatio
     }
     if inside && (view.point_lists[0].sampling > 1u || view.point_list_count > 1u) {
         let side = view.supersample;
-        for (var i = 0u; i < side * side; i++) {
-            let sample = id.xy * side + vec2u(i % side, i / side);
-            point_of_sample[sample.y * view.size.x + sample.x] = NO_POINT;
+        for (var y = 0u; y < side; y++) {
+            let first = number_of(id.xy * side + vec2u(0u, y));
+            for (var x = 0u; x < side; x++) {
+                point_of_sample[first + x] = NO_POINT;
+            }
         }
     }
 }
@@ -171,7 +178,7 @@ fn dispatch_of(items: u32, items_of_group: u32) -> vec2u {
 @compute @workgroup_size(TILE, TILE)
 fn choose(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     let side = view.point_lists[stage.list].sampling;
-    let tiles = (view.size + side - 1u) / side;
+    let tiles = (view.size + side - 1u) >> vec2u(firstTrailingBit(side));
     var sample = vec2u(0u);
     var depth = 0.0;
     if all(id.xy < tiles) {
@@ -279,7 +286,7 @@ fn refine(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_ind
         }
         if (wanted & (1u << i)) != 0u {
             let place = start + ((owner >> (2u * i)) & 3u);
-            point_of_sample[sample.y * view.size.x + sample.x] = select(NO_POINT, place, place < arrayLength(&points));
+            point_of_sample[number_of(sample)] = select(NO_POINT, place, place < arrayLength(&points));
         }
     }
 }
@@ -287,6 +294,20 @@ fn refine(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_ind
 // Whether light so far changes much among the points around a sample, for what it would be without shadows: at edges of shadows, and in
 // highlights.
 fn needs_more(sample: vec2u, depth: f32) -> bool {
+    // Weights only take points out: where all that there are agree there is nothing to weigh.
+    var all_least = vec2f(1e30);
+    var all_most = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let point = neighbour_point(stage.list, sample, i);
+        if point != NO_POINT {
+            let light = luminance_so_far(point);
+            all_least = min(all_least, light);
+            all_most = max(all_most, light.x);
+        }
+    }
+    if all_most - all_least.x <= stage.contrast * all_least.y {
+        return false;
+    }
     let position_world = position_at(sample, depth);
     let n = normal_at(sample);
     let normal_power = normal_power_at(sample);
@@ -327,7 +348,7 @@ fn refine_lit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
         let point = put(start + k, shading_point(sample, depth_at(sample)));
         for (var i = 0u; i < block * block; i++) {
             let of_block = first + vec2u(i % block, i / block);
-            point_of_sample[of_block.y * view.size.x + of_block.x] = point;
+            point_of_sample[number_of(of_block)] = point;
         }
     }
 }

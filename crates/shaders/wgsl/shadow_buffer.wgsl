@@ -37,7 +37,7 @@ fn wide_point_weight(
     widening: f32,
 ) -> f32 {
     let side = f32(view.point_lists[list].sampling);
-    let place = sample_place(vec2u(point.sample % view.size.x, point.sample / view.size.x));
+    let place = sample_place(unpack_place(point.sample));
     let position = vec3f(point.position_world[0], point.position_world[1], point.position_world[2]);
     let normal = octahedral_decode(unpack2x16float(point.normal));
     let height = dot(n, position - position_world) / (side * sample_extent_at(position_world));
@@ -47,8 +47,9 @@ fn wide_point_weight(
 // Number of the point of the `i`-th of the nine tiles around a sample, row by row, the fifth its own.
 fn neighbour_point(list: u32, sample: vec2u, i: i32) -> u32 {
     let side = view.point_lists[list].sampling;
-    let tiles = vec2i((view.size + side - 1u) / side);
-    let tile = vec2i(sample / side) + vec2i(i % 3, i / 3) - 1;
+    let shift = vec2u(firstTrailingBit(side));
+    let tiles = vec2i((view.size + side - 1u) >> shift);
+    let tile = vec2i(sample >> shift) + vec2i(i % 3, i / 3) - 1;
     if any(tile < vec2i(0)) || any(tile >= tiles) {
         return NO_POINT;
     }

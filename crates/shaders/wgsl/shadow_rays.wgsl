@@ -37,7 +37,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let rays = u32(textureLoad(light_points, vec2u(LIGHT_POINTS, row), 0).x);
     // Neighbours take other points of a light, and lights do so in other orders.
     let sample = points[point].sample;
-    let pixel = vec2u(sample % view.size.x, sample / view.size.x) / view.supersample;
+    let pixel = unpack_place(sample) / view.supersample;
     let first = rays * (pixel_of_16(pixel) + 7u * row);
     var lit = 0.0;
     var weights = 0.0;

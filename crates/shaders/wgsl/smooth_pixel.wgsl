@@ -33,22 +33,24 @@ fn is_smooth(pixel: vec2u) -> bool {
     let w = vec4f(view.world_from_clip[0].w, view.world_from_clip[1].w, view.world_from_clip[2].w, view.world_from_clip[3].w);
     let height = SMOOTH_HEIGHT * f32(side) * sample_extent_at(position);
     let least_cosine = pow(SMOOTH_NORMALS, 1.0 / normal_power_at(middle));
-    for (var i = 0u; i < side * side; i++) {
-        let sample = corner + vec2u(i % side, i / side);
-        let texel = gbuffer_texel(sample);
-        let other_depth = textureLoad(gbuffer_depth, texel, 0);
-        if (other_depth == 0.0) != (depth == 0.0) {
-            return false;
-        }
-        if depth == 0.0 {
-            continue;
-        }
-        let other = textureLoad(gbuffer_geometry, texel, 0);
-        let clip = vec4f(ndc_of(sample), other_depth, 1.0);
-        if (other.z >> 16u) != (geometry.z >> 16u)
-            || abs(dot(plane, clip)) > height * abs(dot(w, clip))
-            || (other.x != geometry.x && dot(n, unpack_normal(other.x)) < least_cosine) {
-            return false;
+    for (var y = 0u; y < side; y++) {
+        for (var x = 0u; x < side; x++) {
+            let sample = corner + vec2u(x, y);
+            let texel = gbuffer_texel(sample);
+            let other_depth = textureLoad(gbuffer_depth, texel, 0);
+            if (other_depth == 0.0) != (depth == 0.0) {
+                return false;
+            }
+            if depth == 0.0 {
+                continue;
+            }
+            let other = textureLoad(gbuffer_geometry, texel, 0);
+            let clip = vec4f(ndc_of(sample), other_depth, 1.0);
+            if (other.z >> 16u) != (geometry.z >> 16u)
+                || abs(dot(plane, clip)) > height * abs(dot(w, clip))
+                || (other.x != geometry.x && dot(n, unpack_normal(other.x)) < least_cosine) {
+                return false;
+            }
         }
     }
     for (var i = 0u; i < 4u && depth > 0.0; i++) {

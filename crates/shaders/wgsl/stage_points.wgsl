@@ -11,6 +11,6 @@ fn stage_point(workgroup: vec2u, local: u32) -> u32 {
 }
 
 fn surface_of(point: u32) -> Surface {
-    let sample = vec2u(points[point].sample % view.size.x, points[point].sample / view.size.x);
+    let sample = unpack_place(points[point].sample);
     return surface_at(sample, depth_at(sample));
 }

@@ -219,7 +219,7 @@ super::structs! {
     pub struct ShadingPoint {
         /// What is lit; not a vector, which would be padded.
         pub position_world: [f32; 3],
-        /// Row times the picture's width plus column. Samples of a further layer of surfaces would follow those of the first.
+        /// Column in the lower 16 bits, row in the upper ones.
         pub sample: u32,
         /// Shading normal: octahedral, in halves.
         pub normal: u32,
