@@ -29,7 +29,7 @@ const FORMATS: &[Format] = &[
     Format {
         name: "Radiance",
         extensions: &["hdr", "pic", "rgbe"],
-        writable: false,
+        writable: true,
         sniff: hdr::sniff,
         decode: hdr::decode,
     },
@@ -135,16 +135,17 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
     Ok(bytes)
 }
 
-/// Writes a picture in the format of its name: `.exr` as linear 32-bit float, `.png` as 8-bit sRGB of display-linear
-/// values in 0..1 ([`crate::tonemap::tone_mapped`] makes them from radiance).
+/// Writes a picture in the format of its name: `.exr` as linear 32-bit float, `.hdr` as mantissas of 8 bits with a shared
+/// exponent, `.png` as 8-bit sRGB of display-linear values in 0..1 ([`crate::tonemap::tone_mapped`] makes them from radiance).
 ///
 /// # Errors
-/// [`ImageError::UnknownExtension`], or as [`exr::write`] and [`ldr::write_png`].
+/// [`ImageError::UnknownExtension`], or as [`exr::write`], [`hdr::write`] and [`ldr::write_png`].
 pub fn write(path: impl AsRef<Path>, image: &RgbImage) -> Result<(), ImageError> {
     let path = path.as_ref();
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("exr") => exr::write(path, image),
+        Some("hdr") => hdr::write(path, image),
         Some("png") => ldr::write_png(path, image),
         _ => {
             let known = FORMATS.iter().filter(|format| format.writable);

@@ -1,11 +1,13 @@
 //! Radiance pictures (.hdr, .pic): Greg Ward, *Real Pixels*, Graphics Gems II (1991), and the Radiance file formats page.
 
+use std::path::Path;
+
 use glam::Vec3;
 
-use crate::error::DecodeError;
+use crate::error::{DecodeError, ImageError};
 use crate::file::Decoded;
 use crate::picture::rec709_from_xyz;
-use crate::{MAX_TEXELS, RgbImage};
+use crate::{MAX_TEXELS, RgbImage, atomic};
 
 const FORMAT: &str = "Radiance";
 /// Longest header that is read; real ones hold a few hundred bytes.
@@ -294,4 +296,46 @@ fn read_old_rle(cursor: &mut Cursor, scanline: &mut [[u8; 4]]) -> Result<(), &'s
         }
     }
     Ok(())
+}
+
+/// Encodes a picture as uncompressed RGBE, to the nearest mantissa of 8 bits that the largest channel's exponent leaves. What is negative
+/// or no number becomes 0.
+///
+/// # Errors
+/// Says what is wrong with an empty picture.
+pub fn encode(image: &RgbImage) -> Result<Vec<u8>, String> {
+    let (width, height) = (image.width(), image.height());
+    if width == 0 || height == 0 {
+        return Err("the picture is empty".to_owned());
+    }
+    let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
+    bytes.extend(image.texels().iter().flat_map(|texel| rgbe(*texel)));
+    Ok(bytes)
+}
+
+/// `mantissa * 2^(exponent - 136)`.
+fn rgbe(color: Vec3) -> [u8; 4] {
+    let color = color.max(Vec3::ZERO).as_dvec3();
+    let mantissas = |exponent: i32| (color * f64::from(136 - exponent).exp2()).round();
+    // The least exponent with which no mantissa exceeds a byte; 0 stands for black, below what the format holds.
+    let least = color.max_element().max(1e-300).log2().floor() as i32 + 129;
+    let fits = |exponent: &i32| mantissas(*exponent).max_element() <= 255.0;
+    match (least..=least + 1).find(fits) {
+        Some(exponent @ 1..=255) => {
+            let [r, g, b] = mantissas(exponent).to_array().map(|mantissa| mantissa as u8);
+            [r, g, b, exponent as u8]
+        }
+        Some(..=0) => [0; 4],
+        _ => [255; 4],
+    }
+}
+
+/// Writes a picture as [`encode`] stores it, whole or not at all.
+///
+/// # Errors
+/// [`ImageError::Write`] from the file system, [`ImageError::Encode`] for an empty picture.
+pub fn write(path: &Path, image: &RgbImage) -> Result<(), ImageError> {
+    let bytes = encode(image).map_err(|reason| ImageError::Encode { path: path.to_owned(), reason })?;
+    atomic::write(path, |writer| writer.write_all(&bytes))
+        .map_err(|source| ImageError::Write { path: path.to_owned(), source })
 }

@@ -54,7 +54,7 @@ fn errors_name_the_file_and_the_fault_in_one_line() {
         (read(dir.path()).err(), "cannot read"),
         (read(&text).err(), "known format"),
         (read(&cut).err(), "damaged PNG"),
-        (write(dir.path().join("a.tga"), &gradient()).err(), ".exr, .png"),
+        (write(dir.path().join("a.tga"), &gradient()).err(), ".exr, .hdr, .png"),
         (write(dir.path().join("none/a.exr"), &gradient()).err(), "cannot write"),
         (write(dir.path().join("a.exr"), &empty).err(), "empty"),
         (write(dir.path().join("a.png"), &empty).err(), "empty"),
@@ -84,7 +84,7 @@ fn the_table_of_formats_is_complete() {
     assert_eq!(names, ["OpenEXR", "Radiance", "PNG", "JPEG"]);
     let writable: Vec<_> =
         formats().iter().filter(|format| format.writable).map(|format| format.extensions[0]).collect();
-    assert_eq!(writable, ["exr", "png"]);
+    assert_eq!(writable, ["exr", "hdr", "png"]);
 }
 
 #[test]

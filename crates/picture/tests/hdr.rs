@@ -240,3 +240,26 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_is_written_is_read_back_to_the_last_bit_of_a_mantissa() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.hdr");
+    // From below what an exponent holds to a sun, and a value that rounds up to the next power of two.
+    let value = |x: u32, y: u32| match (x, y) {
+        (0, 0) => Vec3::ZERO,
+        (1, 0) => Vec3::new(0.999_99, 0.5, 0.0),
+        (2, 0) => Vec3::new(f32::NAN, -1.0, 2.0),
+        _ => Vec3::new(1.0, 0.3, 0.01) * 10_f32.powi(x as i32 * 2 - 8) * (1.0 + y as f32),
+    };
+    let picture = RgbImage::from_fn(9, 5, value);
+    gnomon_picture::write(&path, &picture).unwrap();
+    let back = read(&path).unwrap().image;
+    assert_eq!((back.width(), back.height()), (9, 5));
+    for (found, expected) in back.texels().iter().zip(picture.texels()) {
+        let expected = expected.max(Vec3::ZERO);
+        let step = expected.max_element() / 255.0;
+        assert!((*found - expected).abs().max_element() <= step, "{found} {expected}");
+    }
+    assert!(gnomon_picture::hdr::encode(&RgbImage::filled(0, 0, Vec3::ONE)).is_err());
+}
