@@ -13,13 +13,14 @@ pub struct Ray {
 }
 
 /// The camera's ray through `pixel` of a picture of `size` pixels: `(0, 0)` is the top left corner of the picture, and
-/// `(x + 0.5, y + 0.5)` the centre of pixel `(x, y)`. The lens sets the width; the height follows from square pixels.
+/// `(x + 0.5, y + 0.5)` the centre of pixel `(x, y)`. The lens sets the width; the height follows from the pixels' aspect.
 ///
 /// A pinhole's rays start at the eye, a parallel camera's on its own plane.
 pub fn camera_ray(camera: &Camera, size: UVec2, pixel: Vec2) -> Ray {
     let size = size.as_vec2();
     // -1..1 across the width, the same scale downwards.
     let screen = Vec2::new(2.0 * pixel.x - size.x, size.y - 2.0 * pixel.y) / size.x;
+    let screen = camera.film.plane_from_picture(screen);
     let (origin, direction) = match camera.projection {
         Projection::Perspective { fov_x } => {
             (Vec3::ZERO, (screen * (0.5 * fov_x).tan()).extend(-1.0).normalize())
@@ -40,6 +41,9 @@ pub(crate) fn check_camera(camera: &Camera) -> Result<(), ReferenceError> {
     if matrix.determinant().abs() < 1e-12 || !matrix.determinant().is_finite() {
         return bad("its matrix cannot be inverted");
     }
+    if !camera.film.is_usable() {
+        return bad("its picture is moved or stretched too far");
+    }
     match camera.projection {
         Projection::Perspective { fov_x } if !(fov_x > 0.0 && fov_x < std::f32::consts::PI) => {
             bad("its field of view is not between 0 and 180 degrees")
@@ -53,6 +57,8 @@ pub(crate) fn check_camera(camera: &Camera) -> Result<(), ReferenceError> {
 
 #[cfg(test)]
 mod tests {
+    use gnomon_scene::Film;
+
     use super::*;
 
     #[test]
@@ -76,6 +82,20 @@ mod tests {
         let ray = camera_ray(&camera, UVec2::new(60, 20), Vec2::new(60.0, 20.0));
         assert!(ray.origin.distance(Vec3::new(3.0, -1.0, 0.0)) < 1e-6);
         assert_eq!(ray.direction, Vec3::NEG_Z);
+    }
+
+    #[test]
+    fn a_moved_picture_shows_what_is_beside_the_axis() {
+        let mut camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90f32.to_radians());
+        camera.film = Film { shift: Vec2::new(0.25, -0.125), pixel_aspect: 2.0 };
+        // A quarter of a width of 2 to the right, an eighth down; pixels are twice as high.
+        let size = UVec2::new(200, 100);
+        let centre = camera_ray(&camera, size, Vec2::new(100.0, 50.0)).direction;
+        assert!(centre.distance(Vec3::new(0.5, -0.25, -1.0).normalize()) < 1e-6, "{centre}");
+        let top = camera_ray(&camera, size, Vec2::new(100.0, 0.0)).direction;
+        assert!(top.distance(Vec3::new(0.5, 0.75, -1.0).normalize()) < 1e-6, "{top}");
+        camera.projection = Projection::Orthographic { half_width: 3.0 };
+        assert_eq!(camera_ray(&camera, size, Vec2::new(100.0, 50.0)).origin, Vec3::new(1.5, -0.75, 0.0));
     }
 
     #[test]

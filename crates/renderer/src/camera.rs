@@ -1,7 +1,7 @@
 use std::ops::Range;
 
-use glam::{Mat4, Vec3, Vec4};
-use gnomon_scene::{Bounds, Camera, Projection};
+use glam::{Mat4, Vec2, Vec3, Vec4};
+use gnomon_scene::{Bounds, Camera, Film, Projection};
 
 /// A camera as the shaders see it: reversed depth, 1 at the near plane and 0 at (or towards) infinity.
 pub(crate) struct CameraMatrices {
@@ -18,14 +18,18 @@ impl CameraMatrices {
         let camera_from_world = camera.world_from_camera.inverse();
         let (center, radius) = bounds.map_or((Vec3::ZERO, 1.0), |b| (b.center(), b.radius()));
         let distance = (camera.eye() - center).length() + radius;
+        let Film { shift, pixel_aspect } = camera.film;
+        // Half a width up in half heights, and the picture's middle in half widths and half heights.
+        let vertical = aspect / pixel_aspect;
+        let middle = 2.0 * shift * Vec2::new(1.0, vertical);
         let (clip_from_camera, eye_world, view_width) = match camera.projection {
             Projection::Perspective { fov_x } => {
                 let focal = 1.0 / (0.5 * fov_x).tan();
                 let near = (1e-3 * distance).max(1e-6);
                 let matrix = Mat4::from_cols(
                     Vec4::new(focal, 0.0, 0.0, 0.0),
-                    Vec4::new(0.0, focal * aspect, 0.0, 0.0),
-                    Vec4::new(0.0, 0.0, 0.0, -1.0),
+                    Vec4::new(0.0, focal * vertical, 0.0, 0.0),
+                    Vec4::new(middle.x, middle.y, 0.0, -1.0),
                     Vec4::new(0.0, 0.0, near, 0.0),
                 );
                 (matrix, camera.eye().extend(1.0), 2.0 / focal)
@@ -35,9 +39,9 @@ impl CameraMatrices {
                 let range = 4.0 * distance.max(1e-6);
                 let matrix = Mat4::from_cols(
                     Vec4::new(1.0 / half_width, 0.0, 0.0, 0.0),
-                    Vec4::new(0.0, aspect / half_width, 0.0, 0.0),
+                    Vec4::new(0.0, vertical / half_width, 0.0, 0.0),
                     Vec4::new(0.0, 0.0, 1.0 / range, 0.0),
-                    Vec4::new(0.0, 0.0, 1.0, 1.0),
+                    Vec4::new(-middle.x, -middle.y, 1.0, 1.0),
                 );
                 let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
                 (matrix, to_viewer.extend(0.0), 2.0 * half_width)
@@ -63,8 +67,6 @@ impl CameraMatrices {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec2;
-
     use super::*;
 
     #[test]
@@ -73,6 +75,22 @@ mod tests {
         let m = CameraMatrices::new(&camera, 2.0, None);
         let edge = m.clip_from_world.project_point3(Vec3::new(2.0, 1.0, 0.0));
         assert!((edge.x - 1.0).abs() < 1e-5 && (edge.y - 1.0).abs() < 1e-5 && edge.z > 0.0 && edge.z < 1.0);
+    }
+
+    /// What [`gnomon_scene::Film::plane_from_picture`] says of the picture's corners.
+    #[test]
+    fn a_moved_picture_shows_what_lies_there() {
+        let mut camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90_f32.to_radians());
+        camera.film = Film { shift: Vec2::new(0.25, -0.125), pixel_aspect: 2.0 };
+        for projection in [camera.projection, Projection::Orthographic { half_width: 1.0 }] {
+            camera.projection = projection;
+            let m = CameraMatrices::new(&camera, 2.0, None);
+            for corner in [Vec2::new(1.0, 0.5), Vec2::new(-1.0, -0.5)] {
+                let seen = camera.film.plane_from_picture(corner).extend(-1.0);
+                let clip = m.clip_from_world.project_point3(seen).truncate();
+                assert!((clip - corner * Vec2::new(1.0, 2.0)).length() < 1e-5, "{clip} {corner}");
+            }
+        }
     }
 
     #[test]

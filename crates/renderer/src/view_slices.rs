@@ -1,6 +1,6 @@
 //! Parts of what a camera sees, by their distance: each has shadow maps of its own where the scene is large for what is near.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use gnomon_scene::{Bounds, Camera, Projection};
 
 use crate::casters::PlacedBoxes;
@@ -45,16 +45,18 @@ impl ViewSlices {
             return Self::default();
         };
         let tan = (0.5 * fov_x).tan();
-        let tan_y = tan * height as f32 / width as f32;
+        // Edges of the picture at distance 1.
+        let corner = Vec2::new(1.0, height as f32 / width as f32);
+        let [min, max] = [-corner, corner].map(|corner| camera.film.plane_from_picture(corner) * tan);
         let world_from_camera = camera.world_from_camera;
-        let ray = |x: f32, y: f32| world_from_camera.transform_vector3(Vec3::new(x * tan, y * tan_y, -1.0));
+        let ray = |x: f32, y: f32| world_from_camera.transform_vector3(Vec3::new(x, y, -1.0));
         let eye = camera.eye();
         let camera_from_world = world_from_camera.inverse();
         let is_seen = |corners: &[Vec3; 8]| {
             let corners = corners.map(|corner| camera_from_world.transform_point3(corner));
             let outside = |plane: Vec3| corners.iter().all(|corner| plane.dot(*corner) > 0.0);
-            let sides = [(1.0, 0.0, tan), (-1.0, 0.0, tan), (0.0, 1.0, tan_y), (0.0, -1.0, tan_y)];
-            !outside(Vec3::Z) && !sides.into_iter().any(|(x, y, tan)| outside(Vec3::new(x, y, tan)))
+            let sides = [(1.0, 0.0, max.x), (-1.0, 0.0, -min.x), (0.0, 1.0, max.y), (0.0, -1.0, -min.y)];
+            !outside(Vec3::Z) && !sides.into_iter().any(|(x, y, edge)| outside(Vec3::new(x, y, edge)))
         };
         let (mut near, mut far) = (f32::INFINITY, 0.0_f32);
         for place in scene.boxes.iter().filter(|place| is_seen(&place.corners)) {
@@ -71,7 +73,7 @@ impl ViewSlices {
         }
         let count = if coarseness <= GROWTH { 2 } else { MOST_SLICES };
         let end = |slice: usize| near * (far / near).powf(slice as f32 / count as f32);
-        let rays = [ray(-1.0, -1.0), ray(1.0, -1.0), ray(1.0, 1.0), ray(-1.0, 1.0)];
+        let rays = [ray(min.x, min.y), ray(max.x, min.y), ray(max.x, max.y), ray(min.x, max.y)];
         Self { eye, rays, ends: (1..count).map(end).collect() }
     }
 

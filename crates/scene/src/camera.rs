@@ -1,9 +1,7 @@
-use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec3, Vec3A};
-use gnomon_messages::quoted;
+use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec2, Vec3, Vec3A};
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
-use crate::pose::LARGEST;
+use crate::camera_settings::CameraSettings;
 
 /// How a camera maps directions to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +18,41 @@ pub enum Projection {
     },
 }
 
+/// Where the picture lies on the plane behind a lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// From the lens' axis to the picture's middle, to the right and up, in widths of the picture: what is seen moves the other way.
+    pub shift: Vec2,
+    /// Height of a pixel over its width.
+    pub pixel_aspect: f32,
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self { shift: Vec2::ZERO, pixel_aspect: 1.0 }
+    }
+}
+
+impl Film {
+    /// Place on the plane of a place in the picture, both in half widths of the picture, to the right and up: of the picture from its
+    /// middle, of the plane from the lens' axis.
+    pub fn plane_from_picture(&self, place: Vec2) -> Vec2 {
+        place * Vec2::new(1.0, self.pixel_aspect) + 2.0 * self.shift
+    }
+
+    /// Whether shift and aspect are those of a picture.
+    pub fn is_usable(&self) -> bool {
+        let aspect = self.pixel_aspect;
+        self.shift.is_finite()
+            && self.shift.abs().max_element() <= MOST_SHIFT
+            && (1.0 / MOST_ASPECT..=MOST_ASPECT).contains(&aspect)
+    }
+}
+
+/// Farthest shift [widths of the picture], and most that a pixel is higher than wide or wider than high.
+pub(crate) const MOST_SHIFT: f32 = 100.0;
+pub(crate) const MOST_ASPECT: f32 = 100.0;
+
 /// A view of the scene: right-handed, looking along its own -z with +y up. As a document it is a `[camera]` of a scene file, without its
 /// name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +64,8 @@ pub struct Camera {
     pub world_from_camera: Mat4,
     /// Lens.
     pub projection: Projection,
+    /// Where the picture lies behind it.
+    pub film: Film,
 }
 
 impl Camera {
@@ -45,169 +80,13 @@ impl Camera {
             back.extend(0.0),
             eye.extend(1.0),
         );
-        Self { name: String::new(), world_from_camera, projection: Projection::Perspective { fov_x } }
+        let projection = Projection::Perspective { fov_x };
+        Self { name: String::new(), world_from_camera, projection, film: Film::default() }
     }
 
     /// Position in world space [m].
     pub fn eye(&self) -> Vec3 {
         self.world_from_camera.w_axis.truncate()
-    }
-}
-
-impl std::str::FromStr for Camera {
-    type Err = SceneError;
-
-    /// Parses `eye=x,y,z;target=x,y,z;fov=degrees`, in any order, blanks allowed.
-    fn from_str(text: &str) -> Result<Self, SceneError> {
-        let bad = |what: &str| {
-            let text = quoted(text);
-            SceneError::Request(format!(
-                "camera '{text}': {what} (eye=x,y,z;target=x,y,z;fov=degrees is expected)"
-            ))
-        };
-        let number = |text: &str| {
-            text.trim().parse::<f32>().map_err(|_| bad(&format!("'{}' is no number", quoted(text))))
-        };
-        let (mut eye, mut target, mut fov) = (None, None, None);
-        for part in text.split(';').filter(|part| !part.trim().is_empty()) {
-            let (key, value) = part.split_once('=').ok_or_else(|| bad("a part has no '='"))?;
-            let numbers = value.split(',').map(number).collect::<Result<Vec<f32>, _>>()?;
-            let place = |slot: &mut Option<[f32; 3]>| -> Result<(), SceneError> {
-                let value = numbers.as_slice().try_into().map_err(|_| bad("a point has three numbers"))?;
-                if slot.replace(value).is_some() { Err(bad("a part is given twice")) } else { Ok(()) }
-            };
-            match key.trim() {
-                "eye" => place(&mut eye)?,
-                "target" => place(&mut target)?,
-                "fov" => match numbers.as_slice() {
-                    [value] if fov.is_none() => fov = Some(*value),
-                    _ => return Err(bad("fov is one number")),
-                },
-                key => return Err(bad(&format!("'{}' is unknown", quoted(key)))),
-            }
-        }
-        let missing = |name: &str| bad(&format!("{name} is missing"));
-        let settings = CameraSettings {
-            eye: Some(eye.ok_or_else(|| missing("eye"))?),
-            target: Some(target.ok_or_else(|| missing("target"))?),
-            fov: Some(fov.ok_or_else(|| missing("fov"))?),
-            ..CameraSettings::default()
-        };
-        settings.camera().map_err(|message| bad(&message))
-    }
-}
-
-/// A camera as people write it, `eye`, `target` and `fov`; or as programs do, to the last bit: `matrix` and `fov_radians` or
-/// `half_width`.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CameraSettings {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub eye: Option<[f32; 3]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<[f32; 3]>,
-    /// Horizontal [degrees].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fov: Option<f32>,
-    /// `world_from_camera`: right, up and back as columns, and the eye.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    matrix: Option<[[f32; 3]; 4]>,
-    /// Horizontal [rad].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fov_radians: Option<f32>,
-    /// Of a parallel view [m].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    half_width: Option<f32>,
-}
-
-/// How far the axes of a camera's matrix may be from unit length and right angles.
-const RIGID: f32 = 1e-3;
-
-impl CameraSettings {
-    /// The camera, or what is wrong with it.
-    pub fn camera(&self) -> Result<Camera, String> {
-        let world_from_camera = match (self.eye, self.target, self.matrix) {
-            (Some(eye), Some(target), None) => looking(eye, target)?,
-            (None, None, Some(matrix)) => rigid_columns(matrix)?,
-            (_, _, Some(_)) => return Err("a camera has either 'matrix' or 'eye' and 'target'".to_owned()),
-            (None, ..) => return Err("missing field `eye`".to_owned()),
-            (_, None, _) => return Err("missing field `target`".to_owned()),
-        };
-        let projection = match (self.fov, self.fov_radians, self.half_width) {
-            (Some(fov), None, None) if fov > 0.0 && fov < 180.0 => {
-                Projection::Perspective { fov_x: fov.to_radians() }
-            }
-            (Some(fov), None, None) => {
-                return Err(format!("fov is {fov} degrees, but must lie between 0 and 180"));
-            }
-            (None, Some(fov_x), None) if fov_x > 0.0 && fov_x < std::f32::consts::PI => {
-                Projection::Perspective { fov_x }
-            }
-            (None, Some(fov_x), None) => {
-                return Err(format!("fov_radians is {fov_x}, but must lie between 0 and pi"));
-            }
-            (None, None, Some(half_width)) if half_width > 0.0 && half_width.is_finite() => {
-                Projection::Orthographic { half_width }
-            }
-            (None, None, Some(half_width)) => {
-                return Err(format!("half_width is {half_width} m, but must be above 0"));
-            }
-            (None, None, None) => return Err("missing field `fov`".to_owned()),
-            _ => return Err("a camera has one of 'fov', 'fov_radians' and 'half_width'".to_owned()),
-        };
-        Ok(Camera { name: String::new(), world_from_camera, projection })
-    }
-}
-
-/// Whether squares of its coordinates stay finite; false for NaN, which a maximum would skip.
-fn is_near(place: Vec3) -> bool {
-    place.to_array().into_iter().all(|coordinate| coordinate.abs() <= LARGEST)
-}
-
-fn looking(eye: [f32; 3], target: [f32; 3]) -> Result<Mat4, String> {
-    let (eye, target) = (Vec3::from_array(eye), Vec3::from_array(target));
-    if !(is_near(eye) && is_near(target)) {
-        return Err(format!("eye and target must be finite, and within {LARGEST:.0e} m of the origin"));
-    }
-    if (eye - target).try_normalize().is_none() {
-        return Err("eye and target are the same point".to_owned());
-    }
-    Ok(Camera::look_at(eye, target, 1.0).world_from_camera)
-}
-
-fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
-    let [x, y, z, eye] = columns.map(Vec3::from_array);
-    let gram = [x.dot(x) - 1.0, y.dot(y) - 1.0, z.dot(z) - 1.0, x.dot(y), y.dot(z), z.dot(x)];
-    if !gram.iter().all(|value| value.abs() < RIGID) || x.cross(y).dot(z) < 0.0 {
-        return Err(
-            "the first three columns of matrix must be right, up and back: unit length, right angles"
-                .to_owned(),
-        );
-    }
-    if !is_near(eye) {
-        return Err(format!(
-            "the last column of matrix, the eye, must be finite, and within {LARGEST:.0e} m of the origin"
-        ));
-    }
-    Ok(Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0)))
-}
-
-impl TryFrom<CameraSettings> for Camera {
-    type Error = String;
-
-    fn try_from(settings: CameraSettings) -> Result<Self, String> {
-        settings.camera()
-    }
-}
-
-impl From<Camera> for CameraSettings {
-    fn from(camera: Camera) -> Self {
-        let column = |index| camera.world_from_camera.col(index).truncate().to_array();
-        let (fov_radians, half_width) = match camera.projection {
-            Projection::Perspective { fov_x } => (Some(fov_x), None),
-            Projection::Orthographic { half_width } => (None, Some(half_width)),
-        };
-        Self { matrix: Some([0, 1, 2, 3].map(column)), fov_radians, half_width, ..Self::default() }
     }
 }
 
@@ -220,67 +99,4 @@ pub fn rigid(affine: Affine3A) -> Option<Mat4> {
     let right: Vec3A = up.cross(back);
     let rotation = Mat3::from(Mat3A::from_cols(right, up, back));
     affine.translation.is_finite().then(|| Mat4::from_mat3_translation(rotation, affine.translation.into()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_described_camera_looks_at_its_target() {
-        let camera: Camera = "eye=3.2,2.6,4.2; target = 0,.5,0;fov=40".parse().unwrap();
-        assert_eq!(camera.eye(), Vec3::new(3.2, 2.6, 4.2));
-        let target = camera.world_from_camera.inverse().transform_point3(Vec3::new(0.0, 0.5, 0.0));
-        assert!(target.x.abs() < 1e-5 && target.y.abs() < 1e-5 && target.z < 0.0, "{target}");
-        assert_eq!(camera.projection, Projection::Perspective { fov_x: 40_f32.to_radians() });
-    }
-
-    #[test]
-    fn descriptions_that_make_no_sense_say_why() {
-        for (text, why) in [
-            ("eye=1,2,3;target=0,0,0", "fov is missing"),
-            ("eye=1,2;target=0,0,0;fov=40", "three numbers"),
-            ("eye=1,2,x;target=0,0,0;fov=40", "'x' is no number"),
-            ("eye=1,2,nan;target=0,0,0;fov=40", "finite"),
-            ("eye=1,2,3;target=1,2,3;fov=40", "same point"),
-            ("eye=1,2,3;target=0,0,0;fov=180", "between 0 and 180"),
-            ("eye=1,2,3;target=0,0,0;fov=40;up=0,1,0", "'up' is unknown"),
-            ("eye=1,2,3;eye=1,2,3;target=0,0,0;fov=40", "twice"),
-            ("", "eye is missing"),
-        ] {
-            let error = text.parse::<Camera>().unwrap_err().to_string();
-            assert!(error.contains(why), "{text}: {error}");
-            assert!(!error.contains('\n'));
-        }
-    }
-
-    #[test]
-    fn documents_keep_every_bit_of_a_camera() {
-        let mut camera = Camera::look_at(Vec3::new(0.1, 2.3, -4.7), Vec3::new(0.3, 0.2, 0.1), 0.7123);
-        for projection in [camera.projection, Projection::Orthographic { half_width: 1.7 }] {
-            camera.projection = projection;
-            let text = toml::to_string(&camera).unwrap();
-            assert_eq!(toml::from_str::<Camera>(&text).unwrap(), camera, "{text}");
-        }
-        for (text, why) in [
-            ("eye = [1, 2, 3]\ntarget = [0, 0, 0]", "missing field `fov`"),
-            ("target = [0, 0, 0]\nfov = 40", "missing field `eye`"),
-            ("eye = [1, 2, 3]\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]]\nfov = 40", "either"),
-            ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 2], [0, 0, 0]]\nfov = 40", "unit length"),
-            ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, -1], [0, 0, 0]]\nfov = 40", "right angles"),
-            ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, nan, 0]]\nfov = 40", "finite"),
-            ("eye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 40\nhalf_width = 2", "one of"),
-            ("eye = [1, 2, 3]\ntarget = [0, 0, 0]\nhalf_width = -2", "above 0"),
-        ] {
-            let error = toml::from_str::<Camera>(text).unwrap_err().to_string();
-            assert!(error.contains(why), "{text}: {error}");
-        }
-    }
-
-    #[test]
-    fn looking_straight_down_is_defined() {
-        let camera = Camera::look_at(Vec3::new(0.0, 5.0, 0.0), Vec3::ZERO, 1.0);
-        assert!(camera.world_from_camera.is_finite());
-        assert!((camera.world_from_camera.determinant() - 1.0).abs() < 1e-6);
-    }
 }

@@ -7,6 +7,7 @@
 mod animation;
 pub mod builtin;
 mod camera;
+mod camera_settings;
 mod error;
 mod framing;
 mod light;
@@ -23,7 +24,7 @@ mod texture;
 mod triangle;
 
 pub use animation::{AnimatedNode, Animation, Channel, Interpolation, Keys};
-pub use camera::{Camera, Projection, rigid};
+pub use camera::{Camera, Film, Projection, rigid};
 pub use error::SceneError;
 pub use framing::{Ground, SUNKEN, camera_around, default_camera};
 pub use light::{AreaLight, AreaLightShape, PlacedLight};

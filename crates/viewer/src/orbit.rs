@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::{Vec2, Vec3};
-use gnomon_scene::{Bounds, Camera, Projection};
+use gnomon_scene::{Bounds, Camera, Film, Projection};
 
 /// Highest tilt up and down [rad]: straight up has no direction to the side.
 const MAX_PITCH: f32 = FRAC_PI_2 - 0.01;
@@ -21,6 +21,7 @@ pub struct Orbit {
     /// From there to the eye [m].
     distance: f32,
     projection: Projection,
+    film: Film,
 }
 
 impl Orbit {
@@ -37,13 +38,15 @@ impl Orbit {
             pitch: back.y.clamp(-1.0, 1.0).asin().clamp(-MAX_PITCH, MAX_PITCH),
             distance,
             projection: camera.projection,
+            film: camera.film,
         }
     }
 
     /// The camera.
     pub fn camera(&self) -> Camera {
         let eye = self.target + self.distance * self.back();
-        Camera { projection: self.projection, ..Camera::look_at(eye, self.target, 1.0) }
+        let Self { projection, film, .. } = *self;
+        Camera { projection, film, ..Camera::look_at(eye, self.target, 1.0) }
     }
 
     fn back(&self) -> Vec3 {

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_messages::quoted;
-use gnomon_scene::{Camera, Node, NodeId, Projection, Scene, rigid};
+use gnomon_scene::{Camera, Film, Node, NodeId, Projection, Scene, rigid};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
@@ -129,7 +129,7 @@ pub fn read(
                     let own = entry.name.as_deref().map(quoted).filter(|own| !own.is_empty());
                     let name = own.unwrap_or_else(|| node.name.clone());
                     places.cameras.push(NodeId(number));
-                    scene.cameras.push(Camera { name, world_from_camera, projection });
+                    scene.cameras.push(Camera { name, world_from_camera, projection, film: Film::default() });
                 }
                 None => scene
                     .warnings
