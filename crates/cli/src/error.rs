@@ -10,6 +10,7 @@ use gnomon::picture::ImageError;
 use gnomon::reference::ReferenceError;
 use gnomon::renderer::RenderError;
 use gnomon::renderer::lod::LodError;
+use gnomon::rigs::RigError;
 use gnomon::scene::SceneError;
 use gnomon::scene_files::SceneFileError;
 use gnomon::studio::StudioError;
@@ -47,6 +48,9 @@ pub enum CliError {
     /// The lights cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// The rig cannot be written.
+    #[error(transparent)]
+    Rig(#[from] RigError),
     /// The pictures cannot be compared.
     #[error(transparent)]
     Metrics(#[from] MetricsError),

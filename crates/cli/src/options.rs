@@ -9,7 +9,7 @@ mod sequence;
 pub use environment::{environment_help, load_environment};
 pub use gpu::GpuArgs;
 pub use inputs::{InputArgs, stage};
-pub use look::{Fitted, LookArgs, Selection};
+pub use look::{Fitted, LookArgs};
 pub use sequence::SequenceArgs;
 
 /// A finite number.

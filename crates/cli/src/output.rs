@@ -47,7 +47,11 @@ pub fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4"))
 }
 
-fn check_folder(path: &Path) -> Result<(), CliError> {
+/// Refuses a name in a folder that is not there.
+///
+/// # Errors
+/// [`CliError::Usage`].
+pub fn check_folder(path: &Path) -> Result<(), CliError> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(CliError::usage(format!(
             "cannot write {}: there is no folder {}",

@@ -12,12 +12,12 @@ use support::{can_render, files, gnomon};
 fn decompose_writes_lights_residual_and_preview() {
     let folder = tempfile::tempdir().unwrap();
     let json = gnomon(folder.path(), &["decompose", "room"]).succeeded().json();
-    assert_eq!(json["method"], "disks");
+    assert_eq!(json["method"], "optimized", "the fit that render draws with");
     assert!(!json["lights"].as_array().unwrap().is_empty());
     for channel in 0..3 {
         let flux = |name: &str| json[name][channel].as_f64().unwrap();
-        let lights: f64 =
-            json["lights"].as_array().unwrap().iter().map(|l| l["flux"][channel].as_f64().unwrap()).sum();
+        let lights = json["lights"].as_array().unwrap().iter();
+        let lights: f64 = lights.map(|light| light["derived"]["flux"][channel].as_f64().unwrap()).sum();
         assert!((lights + flux("residual_flux") - flux("total_flux")).abs() <= FLUX * flux("total_flux"));
     }
 
@@ -25,9 +25,77 @@ fn decompose_writes_lights_residual_and_preview() {
     let run =
         gnomon(folder.path(), &[&["decompose", "sky", "--env-rotation", "90"][..], &outputs[..]].concat());
     assert!(run.succeeded().out.is_empty());
-    assert_eq!(files(folder.path()), ["lights.json", "preview.png", "rest.exr"]);
+    assert_eq!(files(folder.path()), ["lights.json", "lights_environment.exr", "preview.png", "rest.exr"]);
     let rest = gnomon::picture::read(folder.path().join("rest.exr")).unwrap().image;
     assert_eq!((rest.width(), rest.height()), (1024, 512));
+}
+
+/// Each program gets the fit that it can show, with the maps that it needs, and what it cannot show is told.
+#[test]
+fn decompose_writes_rigs_for_other_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let decompose = |arguments: &[&str]| gnomon(folder.path(), &[&["decompose", "room"], arguments].concat());
+    for (arguments, part, told) in [
+        (&["-o", "a.usda"][..], "def RectLight", ""),
+        (&["-o", "a.xml"], "type=\"rectangle\"", ""),
+        (&["-o", "a.py"], "\"a_environment.exr\"", "blender: outlines become disks"),
+        (&["-o", "a.gltf"], "KHR_lights_punctual", "gltf: lights have no size"),
+        (&["-o", "a.babylon"], "\"a_residual.hdr\"", "babylon: lights have no size"),
+        (&["-o", "a.rs"], "DirectionalLight {", "even ambient light"),
+        (&["-o", "b.json", "--format", "three"], "\"type\":\"Scene\"", "three: lights have no size"),
+        (&["-o", "b.xml", "--format", "mujoco"], "<headlight", "even ambient light"),
+    ] {
+        let run = decompose(arguments).succeeded();
+        let text = std::fs::read_to_string(folder.path().join(arguments[1])).unwrap();
+        assert!(text.contains(part), "{arguments:?}");
+        assert!(run.err.contains(told), "{arguments:?}: {}", run.err);
+        assert!(run.err.contains("light behind edges is off by"), "{}", run.err);
+        assert_eq!(told.is_empty(), !run.err.contains("warning"), "{}", run.err);
+    }
+    let written = files(folder.path());
+    for map in ["a_environment.exr", "a_residual.hdr", "b_residual.exr"] {
+        assert!(written.iter().any(|file| file == map), "{written:?}");
+    }
+    // A fit that leaves nothing is no fit for a program that mirrors what is left.
+    let run = decompose(&["-o", "c.babylon", "--method", "optimized", "--light-count", "6"]).succeeded();
+    assert!(
+        run.err.contains("babylon mirrors what lights leave") && run.err.contains("4 lights at most"),
+        "{}",
+        run.err
+    );
+    decompose(&["--format", "usd"]).failed("usd is written to a file");
+    decompose(&["-o", "a.max"]).failed("--format");
+    decompose(&["-o", "a.usda", "--format", "maya"]).failed("the formats of rigs are gnomon, usd,");
+    decompose(&["-o", "none/a.usda"]).failed("there is no folder");
+    decompose(&["-o", "a.usda", "--rig", "b.json"]).failed("--rig");
+}
+
+/// A rig with a light off and another moved and tinted, through a lens whose axis is not in the middle.
+#[test]
+fn an_edited_rig_is_drawn_as_it_is_traced() {
+    let folder = tempfile::tempdir().unwrap();
+    if !can_render(folder.path()) {
+        return;
+    }
+    gnomon(folder.path(), &["decompose", "room", "-o", "rig.json"]).succeeded();
+    let read = std::fs::read_to_string(folder.path().join("rig.json")).unwrap();
+    let mut rig: serde_json::Value = serde_json::from_str(&read).unwrap();
+    rig["lights"][0]["enabled"] = false.into();
+    rig["lights"][1]["direction"] = serde_json::json!([-1, 1, 1]);
+    rig["lights"][1]["radiance"] = serde_json::json!([9, 3, 1]);
+    std::fs::write(folder.path().join("edited.json"), rig.to_string()).unwrap();
+    let camera = "eye=3,2,4; target=0,0.4,0; fx=90; fy=80; cx=20; cy=28; size=64x48";
+    let scene = ["three-boxes", "--size", "64x48", "--camera", camera];
+    let run = |arguments: &[&str]| gnomon(folder.path(), &[arguments, &scene[..]].concat()).succeeded();
+    run(&["reference", "--rig", "edited.json", "-o", "truth.exr", "--spp", "1024"]);
+    run(&["reference", "--rig", "rig.json", "-o", "before.exr", "--spp", "256"]);
+    run(&["render", "--rig", "edited.json", "-o", "picture.exr"]);
+    let error = |name: &str| {
+        let json = gnomon(folder.path(), &["compare", "picture.exr", name]).succeeded().json();
+        json["relative_rmse"].as_f64().unwrap()
+    };
+    assert!(error("truth.exr") < GPU_RELATIVE_RMSE, "{}", error("truth.exr"));
+    assert!(error("before.exr") > 2.0 * GPU_RELATIVE_RMSE, "{}", error("before.exr"));
 }
 
 #[test]

@@ -40,6 +40,7 @@ pub use gnomon_picture as picture;
 pub use gnomon_reference as reference;
 #[cfg(feature = "renderer")]
 pub use gnomon_renderer as renderer;
+pub use gnomon_rigs as rigs;
 pub use gnomon_scene as scene;
 #[cfg(feature = "files")]
 pub use gnomon_scene_files as scene_files;

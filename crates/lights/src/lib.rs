@@ -9,7 +9,7 @@ mod light;
 mod light_set;
 mod preview;
 
-pub use document::{DocumentError, LightDocument, LightEntry, ShapeEntry};
+pub use document::{DerivedEntry, DocumentError, LightDocument, LightEntry, ShapeEntry};
 pub use fit::{FitError, FitOptions, LightFit};
 pub use light::{DistantLight, LightShape};
 pub use light_set::{FluxShares, LightSet};

@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3, Quat, Vec2, Vec3};
 
-use crate::form_factor::{disk_form_factor, rectangle_form_factor};
+use crate::form_factor::{disk_form_factor, rectangle_form_factor, rectangle_vector_irradiance};
 
 /// Outline of a distant light on the plane that touches the unit sphere at the light's centre direction (gnomonic
 /// projection), in the light's own `tangent` and `bitangent`.
@@ -41,13 +41,58 @@ impl DistantLight {
     /// A disk around the unit `direction`: all directions within `angular_radius` [rad], in (0, pi/2), with the given
     /// flux [radiance x sr] spread evenly over the solid angle `2 pi (1 - cos angular_radius)`.
     pub fn disk(direction: DVec3, angular_radius: f64, flux: DVec3) -> Self {
-        let half_sine = (0.5 * angular_radius).sin();
-        let solid_angle = 4.0 * std::f64::consts::PI * half_sine * half_sine;
-        // Horizontal where there is a horizon, so that a rotation about y turns the light's own axes with it.
-        let horizontal = DVec3::Y.cross(direction);
-        let tangent = if horizontal.length_squared() > 1e-12 { horizontal.normalize() } else { DVec3::X };
         let shape = LightShape::Disk { angular_radius: angular_radius as f32 };
-        Self::with_flux(direction, tangent, shape, solid_angle, flux)
+        Self::with_flux(direction, horizontal(direction), shape, disk_solid_angle(angular_radius), flux)
+    }
+
+    /// A disk of this radiance around the unit `direction`: all directions within `angular_radius` [rad], in (0, pi/2). Its tangent is the
+    /// part of `along` across `direction`, or horizontal where there is none.
+    pub fn around(direction: Vec3, along: Vec3, angular_radius: f32, radiance: Vec3) -> Self {
+        let tangent = across(along, direction);
+        Self {
+            direction,
+            tangent,
+            bitangent: direction.cross(tangent),
+            shape: LightShape::Disk { angular_radius },
+            solid_angle: disk_solid_angle(angular_radius.into()) as f32,
+            radiance,
+        }
+    }
+
+    /// A light of this radiance with its outline on the plane that touches the unit sphere at the unit `direction`: the corners of a convex
+    /// quadrilateral in turn, along tangent and bitangent. The tangent is the part of `along` across `direction`, or horizontal where there
+    /// is none. `None` where the corners are not those of a convex quadrilateral with an inside.
+    pub fn quadrilateral(
+        direction: Vec3,
+        along: Vec3,
+        mut corners: [Vec2; 4],
+        radiance: Vec3,
+    ) -> Option<Self> {
+        let tangent = across(along, direction);
+        let bitangent = direction.cross(tangent);
+        let turn = |i: usize| {
+            let [a, b, c] = [i, i + 1, i + 2].map(|corner| corners[corner % 4]);
+            (b - a).perp_dot(c - b)
+        };
+        let turns: [f32; 4] = std::array::from_fn(turn);
+        // `tangent x bitangent` points away from the scene.
+        if turns.iter().all(|turn| *turn > 0.0) {
+            corners.reverse();
+        } else if !turns.iter().all(|turn| *turn < 0.0) {
+            return None;
+        }
+        let corners = corners.map(|at| (direction + at.x * tangent + at.y * bitangent).normalize());
+        let solid_angle = (triangle_solid_angle([corners[0], corners[1], corners[2]])
+            + triangle_solid_angle([corners[0], corners[2], corners[3]])) as f32;
+        let light = Self {
+            direction,
+            tangent,
+            bitangent,
+            shape: LightShape::Rectangle { corners },
+            solid_angle,
+            radiance,
+        };
+        (solid_angle > 0.0 && solid_angle.is_finite()).then_some(light)
     }
 
     /// The directions `forward + s right + t up` with `(s, t)` between `min` and `max`, where `frame` holds the unit axes
@@ -93,6 +138,26 @@ impl DistantLight {
         }
     }
 
+    /// Vector irradiance [sr] at radiance 1: its product with a unit normal that has the whole light above its horizon is
+    /// [`DistantLight::irradiance`]. A light without size that comes from there lights such surfaces alike.
+    pub fn vector_irradiance(&self) -> Vec3 {
+        match self.shape {
+            LightShape::Disk { angular_radius } => {
+                let sine = angular_radius.sin();
+                std::f32::consts::PI * sine * sine * self.direction
+            }
+            LightShape::Rectangle { corners } => rectangle_vector_irradiance(corners),
+        }
+    }
+
+    /// Corners of a rectangle on the plane that touches the unit sphere at its centre, along `tangent` and `bitangent`; none of a disk.
+    pub fn plane_corners(&self) -> Option<[Vec2; 4]> {
+        let LightShape::Rectangle { corners } = self.shape else { return None };
+        Some(corners.map(|corner| {
+            Vec2::new(corner.dot(self.tangent), corner.dot(self.bitangent)) / corner.dot(self.direction)
+        }))
+    }
+
     /// Full angular width and height [rad] along `tangent` and `bitangent`, through the centre.
     pub fn extent(&self) -> Vec2 {
         let half = self.tan_half_extent();
@@ -103,13 +168,10 @@ impl DistantLight {
     pub fn tan_half_extent(&self) -> Vec2 {
         match self.shape {
             LightShape::Disk { angular_radius } => Vec2::splat(angular_radius.tan()),
-            LightShape::Rectangle { corners } => corners
-                .iter()
-                .map(|corner| {
-                    let depth = corner.dot(self.direction);
-                    Vec2::new(corner.dot(self.tangent), corner.dot(self.bitangent)).abs() / depth
-                })
-                .fold(Vec2::ZERO, Vec2::max),
+            LightShape::Rectangle { .. } => {
+                let corners = self.plane_corners().unwrap_or_default();
+                corners.map(Vec2::abs).into_iter().fold(Vec2::ZERO, Vec2::max)
+            }
         }
     }
 
@@ -133,6 +195,11 @@ impl DistantLight {
         }
     }
 
+    /// The same light with its radiance multiplied, channel by channel.
+    pub fn times(&self, factor: Vec3) -> Self {
+        Self { radiance: (self.radiance * factor).min(Vec3::MAX), ..self.clone() }
+    }
+
     /// The same light turned about +y by `yaw` [rad], right-hand rule.
     pub fn rotated(&self, yaw: f32) -> Self {
         self.turned(Quat::from_rotation_y(yaw))
@@ -153,6 +220,38 @@ impl DistantLight {
             ..self.clone()
         }
     }
+}
+
+/// Solid angle [sr] of all directions within `angular_radius` [rad] of one: `2 pi (1 - cos)` without its cancellation.
+fn disk_solid_angle(angular_radius: f64) -> f64 {
+    let half_sine = (0.5 * angular_radius).sin();
+    4.0 * std::f64::consts::PI * half_sine * half_sine
+}
+
+/// A unit direction across `direction`: horizontal where there is a horizon, so that a rotation about y turns the light's own axes with it.
+fn horizontal(direction: DVec3) -> DVec3 {
+    let horizontal = DVec3::Y.cross(direction);
+    if horizontal.length_squared() > 1e-12 { horizontal.normalize() } else { DVec3::X }
+}
+
+/// The unit direction of the part of `along` across the unit `direction`, or a horizontal one where there is none.
+fn across(along: Vec3, direction: Vec3) -> Vec3 {
+    // As it is where it is across already, so that lights keep their axes to the last bit.
+    if along.is_normalized() && along.dot(direction).abs() < 1e-6 {
+        return along;
+    }
+    let part = along - direction * along.dot(direction);
+    match part.length() > 1e-3 * along.length() {
+        true => part.normalize(),
+        false => horizontal(direction.as_dvec3()).as_vec3(),
+    }
+}
+
+/// Solid angle [sr] of the spherical triangle between unit directions (Van Oosterom and Strackee 1983).
+fn triangle_solid_angle(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3().normalize());
+    let volume = (b - a).cross(c - a).dot(a).abs();
+    2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
 /// Solid angle [sr] of the rectangle from `min` to `max` on the plane at distance 1: the antiderivative
@@ -186,6 +285,33 @@ mod tests {
         assert!((b - a).cross(c - b).dot(-light.direction) > 0.0);
         assert!((light.direction.cross(light.tangent) - light.bitangent).length() < 1e-6);
         assert!(light.contains(light.direction) && !light.contains(-light.direction));
+    }
+
+    #[test]
+    fn a_quadrilateral_of_its_own_corners_is_the_light_again() {
+        let light = DistantLight::rectangle(FRONT, DVec2::new(-0.5, 0.1), DVec2::new(0.2, 0.9), DVec3::ONE);
+        let corners = light.plane_corners().unwrap();
+        let mut reversed = corners;
+        reversed.reverse();
+        for corners in [corners, reversed] {
+            let again =
+                DistantLight::quadrilateral(light.direction, light.tangent, corners, light.radiance).unwrap();
+            assert!((again.solid_angle / light.solid_angle - 1.0).abs() < 1e-5);
+            for n in [Vec3::NEG_Z, Vec3::Y, Vec3::X] {
+                assert!((again.irradiance(n) - light.irradiance(n)).abs() < 1e-5, "{n}");
+            }
+        }
+    }
+
+    #[test]
+    fn vector_irradiance_lights_a_plane_as_the_light_does() {
+        let rectangle =
+            DistantLight::rectangle(FRONT, DVec2::new(-0.2, 0.1), DVec2::new(0.5, 0.4), DVec3::ONE);
+        for light in [rectangle, DistantLight::disk(DVec3::NEG_Z, 0.4, DVec3::ONE)] {
+            for n in [Vec3::NEG_Z, Vec3::new(0.3, 0.3, -0.9).normalize()] {
+                assert!((light.vector_irradiance().dot(n) - light.irradiance(n)).abs() < 1e-6);
+            }
+        }
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct LightSet {
     /// Whether light is left out that arrives nowhere in the scene that the set was made for ([`crate::FitOptions::arrival`]): then lights
     /// and residual hold less than the map, and unshadowed light is theirs.
     pub omits_hidden: bool,
+    /// Whether they are no fit's, so that lights and residual are what lights: unshadowed light and reflections are theirs, too.
+    pub stands_alone: bool,
 }
 
 /// Shares of the map's luminous flux, each in `[0, 1]`; all zero for a black map.
@@ -33,7 +35,7 @@ pub struct FluxShares {
 impl LightSet {
     /// A set without recorded parameters, for lights that no fit made.
     pub fn new(method: &'static str, lights: Vec<DistantLight>, residual: Equirect) -> Self {
-        Self { method, parameters: Map::new(), lights, residual, omits_hidden: false }
+        Self { method, parameters: Map::new(), lights, residual, omits_hidden: false, stands_alone: false }
     }
 
     /// Lights that hold all of `map`'s flux, so that what is left of it is black.
@@ -44,7 +46,7 @@ impl LightSet {
         map: &Equirect,
     ) -> Self {
         let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
-        Self { method, parameters, lights, residual, omits_hidden: false }
+        Self { method, parameters, lights, residual, omits_hidden: false, stands_alone: false }
     }
 
     /// Flux [radiance x sr] of all lights together, channel by channel.
@@ -82,6 +84,7 @@ impl LightSet {
             lights: self.lights.iter().map(|light| light.rotated(yaw)).collect(),
             residual: self.residual.rotated(yaw),
             omits_hidden: self.omits_hidden,
+            stands_alone: self.stands_alone,
         }
     }
 }

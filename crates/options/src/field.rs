@@ -34,6 +34,7 @@ field!(u64, value, whole(*value), OptionValue::Whole(new) => (*new).try_into().o
 field!(usize, value, whole(*value), OptionValue::Whole(new) => (*new).try_into().ok());
 field!(String, value, OptionValue::Name(value.clone()), OptionValue::Name(new) => Some(new.clone()));
 field!([u32; 2], value, OptionValue::Size(*value), OptionValue::Size(new) => Some(*new));
+field!([f32; 3], value, OptionValue::Color(*value), OptionValue::Color(new) => Some(*new));
 
 /// A number too large for an option is out of every option's range.
 fn whole(value: impl TryInto<i64>) -> OptionValue {

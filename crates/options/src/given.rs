@@ -6,7 +6,7 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 
-use crate::{OptionError, OptionSpec, OptionValue, Options, specs};
+use crate::{Kind, OptionError, OptionSpec, OptionValue, Options, specs};
 
 /// Options that somebody gave, by their names: a part of some settings, to be laid over the whole.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,6 +47,17 @@ impl Given {
         let mut all = self.0.clone();
         all.extend(others.0.clone());
         Self(all)
+    }
+
+    /// Changes the paths of files among them, which are options of `T`.
+    #[must_use]
+    pub fn map_files<T: Options + Default>(mut self, to: impl Fn(&str) -> String) -> Self {
+        for spec in specs::<T>().into_iter().filter(|spec| matches!(spec.kind, Kind::File)) {
+            if let Some(OptionValue::Name(path)) = self.0.get_mut(&spec.name()) {
+                *path = to(path);
+            }
+        }
+        self
     }
 
     /// Lays them over settings; options of other settings are passed over. An option that does not go together with one that is given

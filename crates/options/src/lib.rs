@@ -21,8 +21,8 @@ pub use field::OptionField;
 pub use given::Given;
 pub use settings::{Options, specs};
 pub use spec::{
-    Choice, Group, Kind, OptionSpec, angle, any_number, between, choice, number, power_of_two, size, text,
-    whole, yes_no,
+    Choice, Group, Kind, OptionSpec, angle, any_number, between, choice, color, file, number, power_of_two,
+    size, text, whole, yes_no,
 };
 pub use value::OptionValue;
 pub use words::markdown;

@@ -81,6 +81,10 @@ pub enum Kind {
     Choice(fn() -> Vec<Choice>),
     /// Width and height [pixels].
     Size,
+    /// The path of a file: in a scene file seen from there, else from the working directory.
+    File,
+    /// Linear Rec. 709, no channel below 0.
+    Color,
 }
 
 /// One value of an option that is chosen from a list.
@@ -160,6 +164,16 @@ pub const fn choice(choices: fn() -> Vec<Choice>) -> OptionSpec {
 /// Width and height.
 pub const fn size() -> OptionSpec {
     of_kind(Kind::Size)
+}
+
+/// A file.
+pub const fn file() -> OptionSpec {
+    of_kind(Kind::File)
+}
+
+/// A color.
+pub const fn color() -> OptionSpec {
+    of_kind(Kind::Color)
 }
 
 impl OptionSpec {
@@ -289,10 +303,18 @@ impl OptionSpec {
             }
             (Kind::Angle, _) => number.filter(|number| number.is_finite()).map(OptionValue::Number),
             (Kind::Text, OptionValue::Name(_)) => Some(value.clone()),
+            (Kind::File, OptionValue::Name(path)) => (!path.is_empty()).then(|| value.clone()),
             (Kind::Choice(choices), OptionValue::Name(name)) => {
                 choices().iter().any(|choice| choice.name == name).then(|| value.clone())
             }
             (Kind::Size, OptionValue::Size(sides)) => (!sides.contains(&0)).then(|| value.clone()),
+            (Kind::Color, _) => {
+                let grey = number.map(|number| [number; 3]);
+                let color = if let OptionValue::Color(color) = value { Some(color) } else { grey };
+                let is_color =
+                    |color: &[f32; 3]| color.iter().all(|channel| (0.0..f32::INFINITY).contains(channel));
+                color.filter(is_color).map(OptionValue::Color)
+            }
             _ => None,
         };
         accepted.ok_or_else(|| self.refuse(&value.to_string()))
@@ -310,11 +332,20 @@ impl OptionSpec {
             Kind::Bool => text.parse().ok().map(OptionValue::Bool),
             Kind::Whole { .. } | Kind::PowerOfTwo { .. } => text.parse().ok().map(OptionValue::Whole),
             Kind::Number { .. } | Kind::Angle => text.parse().ok().map(OptionValue::Number),
-            Kind::Text => Some(OptionValue::Name(whole.to_owned())),
+            Kind::Text | Kind::File => Some(OptionValue::Name(whole.to_owned())),
             Kind::Choice(_) => Some(OptionValue::Name(text.to_owned())),
             Kind::Size => text.split_once(['x', 'X']).and_then(|(width, height)| {
                 Some(OptionValue::Size([width.parse().ok()?, height.parse().ok()?]))
             }),
+            Kind::Color => {
+                let channels: Option<Vec<f32>> =
+                    text.split('/').map(|channel| channel.parse().ok()).collect();
+                match channels.as_deref() {
+                    Some([grey]) => Some(OptionValue::Number(*grey)),
+                    Some(&[red, green, blue]) => Some(OptionValue::Color([red, green, blue])),
+                    _ => None,
+                }
+            }
         };
         self.accept(value.ok_or_else(|| self.refuse(text))?)
     }

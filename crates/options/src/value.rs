@@ -16,6 +16,8 @@ pub enum OptionValue {
     Name(String),
     /// Width and height.
     Size([u32; 2]),
+    /// Linear Rec. 709.
+    Color([f32; 3]),
     /// Left to the program.
     Automatic,
 }
@@ -28,6 +30,7 @@ impl fmt::Display for OptionValue {
             Self::Number(value) => value.fmt(f),
             Self::Name(value) => value.fmt(f),
             Self::Size([width, height]) => write!(f, "{width}x{height}"),
+            Self::Color([red, green, blue]) => write!(f, "{red}/{green}/{blue}"),
             Self::Automatic => f.write_str("automatic"),
         }
     }
@@ -38,15 +41,18 @@ impl Serialize for OptionValue {
         match self {
             Self::Bool(value) => value.serialize(serializer),
             Self::Whole(value) => value.serialize(serializer),
-            // The fewest digits that bring the same number back.
-            Self::Number(value) => {
-                value.to_string().parse().unwrap_or(f64::from(*value)).serialize(serializer)
-            }
+            Self::Number(value) => brief(*value).serialize(serializer),
             Self::Name(value) => value.serialize(serializer),
             Self::Size(value) => value.serialize(serializer),
+            Self::Color(value) => value.map(brief).serialize(serializer),
             Self::Automatic => "automatic".serialize(serializer),
         }
     }
+}
+
+/// The fewest digits that bring the same number back.
+fn brief(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
 }
 
 impl<'de> Deserialize<'de> for OptionValue {
@@ -61,7 +67,7 @@ impl<'de> Visitor<'de> for AnyValue {
     type Value = OptionValue;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("true, false, a number, a name, or [width, height]")
+        f.write_str("true, false, a number, a name, [width, height] or [red, green, blue]")
     }
 
     fn visit_bool<E>(self, value: bool) -> Result<OptionValue, E> {
@@ -88,12 +94,21 @@ impl<'de> Visitor<'de> for AnyValue {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<OptionValue, A::Error> {
-        let wrong = || serde::de::Error::custom("a size is [width, height] in pixels");
-        let width = sequence.next_element()?.ok_or_else(wrong)?;
-        let height = sequence.next_element()?.ok_or_else(wrong)?;
-        match sequence.next_element::<u32>()? {
-            None => Ok(OptionValue::Size([width, height])),
-            Some(_) => Err(wrong()),
+        let wrong =
+            || serde::de::Error::custom("a size is [width, height] in pixels, a color [red, green, blue]");
+        let mut numbers = Vec::new();
+        while let Some(number) = sequence.next_element::<f64>()? {
+            numbers.push(number);
+        }
+        let side = |number: f64| {
+            (number >= 0.0 && number.fract() == 0.0 && number <= u32::MAX.into()).then_some(number as u32)
+        };
+        match numbers[..] {
+            [red, green, blue] => Ok(OptionValue::Color([red, green, blue].map(|channel| channel as f32))),
+            [width, height] => {
+                Ok(OptionValue::Size([side(width).ok_or_else(wrong)?, side(height).ok_or_else(wrong)?]))
+            }
+            _ => Err(wrong()),
         }
     }
 }

@@ -24,6 +24,8 @@ impl OptionSpec {
             Kind::Text => "a text".to_owned(),
             Kind::Choice(_) => format!("one of: {}", self.choice_names()),
             Kind::Size => "WIDTHxHEIGHT in pixels, as in 640x480".to_owned(),
+            Kind::File => "the path of a file".to_owned(),
+            Kind::Color => "one number or RED/GREEN/BLUE from 0, linear Rec. 709".to_owned(),
         };
         if self.automatic.is_some() {
             allowed += ", or automatic";
@@ -70,6 +72,8 @@ impl OptionSpec {
             Kind::Angle => "DEG",
             Kind::Text | Kind::Choice(_) => "NAME",
             Kind::Size => "WxH",
+            Kind::File => "FILE",
+            Kind::Color => "R/G/B",
         }
     }
 }
@@ -104,12 +108,14 @@ fn row(spec: &OptionSpec, default: &OptionValue) -> String {
             names.join(", ")
         }
         Kind::Size => "`[width, height]` in pixels".to_owned(),
+        Kind::Color => "one number or `[red, green, blue]` from 0, linear Rec. 709".to_owned(),
         _ => spec.allowed(),
     };
     let default = match (spec.default_in_words(default), default) {
         (Some(words), _) => words.to_owned(),
         (None, OptionValue::Name(name)) => format!("`\"{name}\"`"),
         (None, OptionValue::Size([width, height])) => format!("`[{width}, {height}]`"),
+        (None, OptionValue::Color([red, green, blue])) => format!("`[{red}, {green}, {blue}]`"),
         (None, value) => format!("`{value}`"),
     };
     let mut key = format!("`{}`", spec.key);

@@ -2,8 +2,8 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use gnomon_options::{
-    Given, Group, OptionValue, Options, angle, any_number, choice, choices, markdown, number, power_of_two,
-    settings, size, specs, text, whole, yes_no,
+    Given, Group, OptionValue, Options, angle, any_number, choice, choices, color, file, markdown, number,
+    power_of_two, settings, size, specs, text, whole, yes_no,
 };
 
 static KITCHEN: Group = Group { table: "", heading: "Kitchen", condition: None };
@@ -60,6 +60,10 @@ settings! {
         balance: f32 = 0.0, any_number("EUR");
         /// Where the cook looks.
         view: f32 = 0.0, angle();
+        /// Where the cook's recipes are.
+        book: Option<String> = None, file().automatic("in mind", 0.0);
+        /// What the cook wears.
+        apron: [f32; 3] = [1.0, 1.0, 1.0], color();
         /// What the cook likes best.
         pot: Pot = Pot::Iron, choice(Pot::choices).varies("iron for stews, clay for the rest");
     }
@@ -82,10 +86,36 @@ fn texts_and_numbers_without_bounds() {
     }
     let specs = specs::<CookSettings>();
     assert_eq!(specs[0].parse(" 7 "), Ok(OptionValue::Name(" 7 ".into())), "a text is what it is");
-    let line = specs[3].help_line(&OptionValue::Name("iron".into()));
+    let line = specs[5].help_line(&OptionValue::Name("iron".into()));
     assert!(line.ends_with("[default: iron for stews, clay for the rest]"), "{line}");
     let text = markdown("", &CookSettings::default());
     assert!(text.starts_with("| key | value | default |") && text.contains("| whoever is there |"), "{text}");
+}
+
+#[test]
+fn colors_are_three_numbers_or_one_and_files_are_seen_from_their_table() {
+    let read = |text| toml::from_str::<CookSettings>(text).map_err(|error| error.to_string());
+    for text in ["apron = [0.5, 0.5, 0.5]", "apron = 0.5"] {
+        assert_eq!(read(text).unwrap().apron, [0.5; 3]);
+    }
+    let spec = specs::<CookSettings>()[4];
+    assert_eq!(spec.parse("1/0.25/0"), Ok(OptionValue::Color([1.0, 0.25, 0.0])));
+    assert_eq!(spec.parse("0.25"), Ok(OptionValue::Color([0.25; 3])));
+    for text in ["1/2", "1/-1/0", "inf", "red", ""] {
+        let error = spec.parse(text).unwrap_err().to_string();
+        assert!(error.contains("one number or RED/GREEN/BLUE"), "{error}");
+    }
+    assert!(read("apron = [1, 2]").is_err() && read("apron = [1, 2, 3, 4]").is_err());
+    let mut expected = CookSettings { apron: [0.1, 2.0, 1e-9], ..Default::default() };
+    assert_eq!(read(&toml::to_string(&expected).unwrap()), Ok(expected.clone()));
+
+    let given = Given::deserialize::<CookSettings, _>(
+        toml::Deserializer::parse("book = 'a.txt'\nname = 'b'").unwrap(),
+    );
+    let mut settings = CookSettings::default();
+    given.unwrap().map_files::<CookSettings>(|path| format!("shelf/{path}")).apply(&mut settings);
+    (expected.book, expected.name, expected.apron) = (Some("shelf/a.txt".into()), Some("b".into()), [1.0; 3]);
+    assert_eq!(settings, expected);
 }
 
 #[test]

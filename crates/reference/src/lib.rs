@@ -1,6 +1,6 @@
 //! Ray-traced truth: direct light on a scene, as the mean and the variance of every pixel.
 //!
-//! [`render`] lights the scene by the environment itself; [`render_lights`] by a fitted [`gnomon_lights::LightSet`], which
+//! [`render`] lights the scene by the environment itself, a map with or without lights beside it ([`Sky`]); [`render_lights`] by a fitted [`gnomon_lights::LightSet`], which
 //! tells the error of a fit from that of a shadow technique; [`trace_pixels`] traces single pixels of [`render`]'s picture. All add
 //! the scene's own area lights. None shares code with the GPU renderer beyond the scene, the map lookup and the reflectance models.
 //!
@@ -37,4 +37,4 @@ pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
 pub use pixels::trace_pixels;
 pub use progressive::Progressive;
-pub use render::{Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, render, render_lights};
+pub use render::{Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, Sky, render, render_lights};

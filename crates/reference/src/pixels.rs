@@ -1,27 +1,27 @@
 use std::sync::atomic::Ordering;
 
 use glam::{DVec3, UVec2};
-use gnomon_envmap::Equirect;
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
 
-use crate::render::{batch_mean, check, environment_tracer};
-use crate::{ReferenceError, ReferenceOptions};
+use crate::render::{batch_mean, check, sky_tracer};
+use crate::{ReferenceError, ReferenceOptions, Sky};
 
 /// Two means of each of some pixels of [`crate::render`]'s picture, by column and row. All are independent of each other, also those of a pixel that
 /// is asked for twice. Of the options, `samples_per_pixel` are those of one mean; nobody is told of the progress.
 ///
 /// # Errors
 /// See [`ReferenceError`].
-pub fn trace_pixels(
+pub fn trace_pixels<'a>(
     scene: &Scene,
     camera: &Camera,
-    environment: &Equirect,
+    environment: impl Into<Sky<'a>>,
     options: &ReferenceOptions,
     pixels: &[UVec2],
 ) -> Result<Vec<[DVec3; 2]>, ReferenceError> {
-    check(camera, &[environment], options)?;
-    let tracer = environment_tracer(scene, environment, options)?;
+    let sky = environment.into();
+    check(camera, &[sky.map, sky.background], options)?;
+    let tracer = sky_tracer(scene, sky, options)?;
     let &ReferenceOptions { width, height, seed, samples_per_pixel, cancel, .. } = options;
     let size = UVec2::new(width, height);
     let traced = pixels.par_iter().enumerate().with_max_len(1).map(|(index, &pixel)| {

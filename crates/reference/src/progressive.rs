@@ -1,15 +1,14 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, UVec2};
-use gnomon_envmap::Equirect;
 use gnomon_picture::RgbImage;
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
 
-use crate::render::{batch_mean, check, environment_tracer};
+use crate::render::{batch_mean, check, sky_tracer};
 use crate::shade::Tracer;
 use crate::welford::Welford;
-use crate::{Estimate, ReferenceError, ReferenceOptions};
+use crate::{Estimate, ReferenceError, ReferenceOptions, Sky};
 
 /// A reference picture that gets better pass by pass, of the scene under the environment itself and the scene's own lights, as
 /// [`crate::render`] has it.
@@ -32,13 +31,14 @@ impl<'a> Progressive<'a> {
     pub fn new(
         scene: &'a Scene,
         camera: &Camera,
-        environment: &'a Equirect,
+        environment: impl Into<Sky<'a>>,
         options: &ReferenceOptions,
     ) -> Result<Self, ReferenceError> {
-        check(camera, &[environment], options)?;
+        let sky = environment.into();
+        check(camera, &[sky.map, sky.background], options)?;
         let &ReferenceOptions { width, height, seed, samples_per_pixel, .. } = options;
         Ok(Self {
-            tracer: environment_tracer(scene, environment, options)?,
+            tracer: sky_tracer(scene, sky, options)?,
             camera: camera.clone(),
             size: UVec2::new(width, height),
             seed,

@@ -1,8 +1,9 @@
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use glam::{DVec3, UVec2, Vec3};
 use gnomon_envmap::Equirect;
-use gnomon_lights::LightSet;
+use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
@@ -67,6 +68,29 @@ pub struct Estimate {
     pub samples_per_pixel: u32,
 }
 
+/// What is infinitely far away. A map alone is one.
+#[derive(Clone, Copy, Debug)]
+pub struct Sky<'a> {
+    /// Light from everywhere.
+    pub map: &'a Equirect,
+    /// Lights beside it: they light surfaces and are mirrored, and the camera does not see them.
+    pub lights: &'a [DistantLight],
+    /// What the camera sees behind the scene.
+    pub background: &'a Equirect,
+}
+
+impl<'a> From<&'a Equirect> for Sky<'a> {
+    fn from(map: &'a Equirect) -> Self {
+        Self { map, lights: &[], background: map }
+    }
+}
+
+impl<'a> From<&'a Arc<Equirect>> for Sky<'a> {
+    fn from(map: &'a Arc<Equirect>) -> Self {
+        Self::from(&**map)
+    }
+}
+
 /// Whether a fit's residual map is blocked by the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ResidualShadows {
@@ -81,28 +105,29 @@ pub enum ResidualShadows {
 ///
 /// # Errors
 /// See [`ReferenceError`].
-pub fn render(
+pub fn render<'a>(
     scene: &Scene,
     camera: &Camera,
-    environment: &Equirect,
+    environment: impl Into<Sky<'a>>,
     options: &ReferenceOptions,
 ) -> Result<Estimate, ReferenceError> {
-    check(camera, &[environment], options)?;
-    estimate(&environment_tracer(scene, environment, options)?, camera, options)
+    let sky = environment.into();
+    check(camera, &[sky.map, sky.background], options)?;
+    estimate(&sky_tracer(scene, sky, options)?, camera, options)
 }
 
-/// The scene under the environment itself, ready to be traced.
-pub(crate) fn environment_tracer<'a>(
+/// The scene under a sky, ready to be traced.
+pub(crate) fn sky_tracer<'a>(
     scene: &'a Scene,
-    environment: &'a Equirect,
+    sky: Sky<'a>,
     options: &ReferenceOptions,
 ) -> Result<Tracer<'a>, ReferenceError> {
     Ok(Tracer {
         scene: TracedScene::new(scene)?,
-        shadowed: Illumination::new(Some(EnvironmentSampler::new(environment)), &[])
+        shadowed: Illumination::new(Some(EnvironmentSampler::new(sky.map)), sky.lights)
             .with_near(&scene.placed_lights()),
         unshadowed: None,
-        background: options.background.then_some(environment),
+        background: options.background.then_some(sky.background),
     })
 }
 

@@ -67,8 +67,9 @@ pub(crate) struct AmbientLights {
     pub probes: Vec<DistantLight>,
     /// What stays ambient.
     pub residual: Equirect,
-    /// Of the set.
+    /// Both of the set.
     pub omits_hidden: bool,
+    pub stands_alone: bool,
 }
 
 impl Ambient {
@@ -105,6 +106,7 @@ impl Ambient {
                 }
             }
         }
-        Ok(AmbientLights { lights, probes, residual, omits_hidden: set.omits_hidden })
+        let LightSet { omits_hidden, stands_alone, .. } = *set;
+        Ok(AmbientLights { lights, probes, residual, omits_hidden, stands_alone })
     }
 }

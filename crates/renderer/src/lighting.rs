@@ -26,10 +26,12 @@ pub struct PreparedLighting {
     probes: Vec<DistantLight>,
     residual: Equirect,
     omits_hidden: bool,
+    stands_alone: bool,
     points: Arc<[LightPoints]>,
     map: Arc<Equirect>,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
+    seen: Option<Equirect>,
     irradiance: Irradiance,
     prefiltered_full: Vec<Equirect>,
     rest: PreparedRest,
@@ -42,7 +44,7 @@ struct PreparedRest {
 }
 
 impl PreparedLighting {
-    /// `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow; of the settings, those of the ambient
+    /// `map` is what the camera sees and mirrors reflect, unless `set` stands alone; `set` is how it casts light and shadow; of the settings, those of the ambient
     /// rest count.
     ///
     /// # Errors
@@ -62,11 +64,19 @@ impl PreparedLighting {
             rest: PreparedRest::new(&ambient.residual),
             residual: ambient.residual,
             omits_hidden: ambient.omits_hidden,
+            stands_alone: ambient.stands_alone,
+            seen: None,
             points: of_cells,
             map: Arc::new(light_points::source(map)),
             lights: ambient.lights,
             probes: ambient.probes,
         })
+    }
+
+    /// The same with another map behind the scene, which lights nothing.
+    #[must_use]
+    pub fn with_background(self, map: Equirect) -> Self {
+        Self { seen: Some(map), ..self }
     }
 }
 
@@ -93,8 +103,9 @@ pub(crate) struct Lighting {
     fitted: [Vec<DistantLight>; 2],
     /// What stays ambient, and what is made of it.
     residual: Arc<Equirect>,
-    /// Whether light that arrives nowhere is left out: unshadowed light is then that of the lights.
+    /// Whether light that arrives nowhere is left out, and whether the lights are no fit's: unshadowed light is then theirs.
     pub omits_hidden: bool,
+    pub stands_alone: bool,
     /// The environment, as far as its lights' points ask for it.
     map: Arc<Equirect>,
     /// Where the light of each of the lights comes from, in its own frame, where they stand for the parts of the map that they cover.
@@ -103,6 +114,8 @@ pub(crate) struct Lighting {
     pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
     pub background: wgpu::TextureView,
+    /// What is behind the scene.
+    pub seen: wgpu::TextureView,
     /// [`layout::Emitters`] of the whole environment, and the irradiance of all else over the sphere of normals.
     pub emitters: wgpu::Buffer,
     pub irradiance_rest: wgpu::TextureView,
@@ -114,7 +127,8 @@ pub(crate) struct Lighting {
 impl Lighting {
     pub fn new(gpu: &Gpu, prepared: PreparedLighting) -> Result<Self, RenderError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
-        let sides = prepared.background.iter().flat_map(|map| [map.width(), map.height()]);
+        let maps = prepared.background.iter().chain(&prepared.seen);
+        let sides = maps.flat_map(|map| [map.width(), map.height()]);
         let largest = sides.max().unwrap_or(0);
         if largest > limit {
             return Err(RenderError::OverLimit {
@@ -127,16 +141,20 @@ impl Lighting {
         let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
+        let background = upload_maps(gpu, "background", &prepared.background);
+        let seen = prepared.seen.map(|map| upload_maps(gpu, "seen", &[map]));
         Ok(Self {
+            seen: seen.unwrap_or_else(|| background.clone()),
+            background,
             lights: prepared.lights.clone(),
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
             omits_hidden: prepared.omits_hidden,
+            stands_alone: prepared.stands_alone,
             points: prepared.points,
             map: prepared.map,
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
-            background: upload_maps(gpu, "background", &prepared.background),
             emitters: upload_emitters(gpu, &prepared.irradiance.emitters),
             irradiance_rest: upload(gpu, "irradiance", &[prepared.irradiance.rest]),
             prefiltered_full: upload_maps(gpu, "prefiltered", &prepared.prefiltered_full),
@@ -154,6 +172,7 @@ impl Lighting {
             probes: ambient.probes.clone(),
             fitted: [ambient.lights, ambient.probes],
             omits_hidden: ambient.omits_hidden,
+            stands_alone: ambient.stands_alone,
             ..self
         };
         if *lit.residual == ambient.residual {

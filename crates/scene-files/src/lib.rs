@@ -106,8 +106,8 @@ pub const ENVIRONMENT_KEYS: [&str; 3] = ["file", "builtin", "exposure"];
 /// The environment that a scene file brings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentSettings {
-    /// Which.
-    pub source: EnvironmentSource,
+    /// Which; none where a light rig stands in its place.
+    pub source: Option<EnvironmentSource>,
     /// Exposure of the displayed picture [stops]; `None` asks for what suits the environment.
     pub exposure_ev: Option<f32>,
 }

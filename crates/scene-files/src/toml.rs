@@ -89,6 +89,7 @@ struct SceneFile {
 struct EnvironmentEntry {
     file: Option<String>,
     builtin: Option<String>,
+    rig: Option<IgnoredAny>,
     #[serde(default)]
     exposure: Exposure,
 }
@@ -283,8 +284,9 @@ impl Reader<'_> {
     fn environment(&self, spanned: &Spanned<EnvironmentEntry>) -> Result<EnvironmentSettings, Fault> {
         let entry = spanned.get_ref();
         let source = match (&entry.file, &entry.builtin) {
-            (Some(file), None) => EnvironmentSource::File(self.source.sibling(file)),
-            (None, Some(name)) => EnvironmentSource::Builtin(name.clone()),
+            (Some(file), None) => Some(EnvironmentSource::File(self.source.sibling(file))),
+            (None, Some(name)) => Some(EnvironmentSource::Builtin(name.clone())),
+            (None, None) if entry.rig.is_some() => None,
             _ => return Err(self.at(spanned, "an environment has either 'file' or 'builtin'".to_owned())),
         };
         let exposure_ev = match entry.exposure {

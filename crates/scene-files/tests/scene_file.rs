@@ -28,8 +28,10 @@ fn the_sample_scene_is_what_its_comments_say() {
     let camera: Camera = "eye=4.5,3,6.5;target=0,0.9,0;fov=40".parse().unwrap();
     assert_eq!(loaded.scene.camera(None).unwrap(), &camera);
     assert_eq!(loaded.ground, Ground::Plane);
-    let expected =
-        EnvironmentSettings { source: EnvironmentSource::Builtin("sky".to_owned()), exposure_ev: Some(0.0) };
+    let expected = EnvironmentSettings {
+        source: Some(EnvironmentSource::Builtin("sky".to_owned())),
+        exposure_ev: Some(0.0),
+    };
     assert_eq!(loaded.environment, Some(expected));
     let clay = loaded.scene.materials.iter().position(|material| material.name == "clay").unwrap();
     let column = loaded.scene.nodes.iter().position(|node| node.name == "small column").unwrap();

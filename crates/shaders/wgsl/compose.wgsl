@@ -47,9 +47,9 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
     let n_environment = environment_direction(surface.n);
     let ambient_diffuse = max(sh_irradiance(view.residual_sh, n_environment), vec3f(0.0));
     let fit_diffuse = ambient_diffuse + sums.diffuse_unshadowed;
-    let omits_hidden = (view.flags & FLAG_OMITS_HIDDEN) != 0u;
+    let has_own_light = (view.flags & FLAG_OWN_LIGHT) != 0u;
     var full_diffuse = fit_diffuse;
-    if !omits_hidden {
+    if !has_own_light {
         full_diffuse = full_irradiance(n_environment);
     }
     let environment_diffuse = composite(full_diffuse, fit_diffuse, open * ambient_diffuse + sums.diffuse_shadowed);
@@ -65,9 +65,9 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
         let fit_specular = ambient_specular + sums.specular_unshadowed;
         var full_specular = fit_specular;
         let layer = cached_layer(surface.lobe);
-        if layer >= 0 && !omits_hidden {
+        if layer >= 0 && !has_own_light {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
-        } else if !omits_hidden {
+        } else if !has_own_light {
             full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
         }
         result += composite(

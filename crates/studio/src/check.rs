@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
 use gnomon_metrics::{PixelSample, SampledError};
 use gnomon_picture::RgbImage;
@@ -11,7 +10,7 @@ use gnomon_reference::{ReferenceOptions, trace_pixels};
 use gnomon_renderer::{Frame, RenderError};
 use gnomon_scene::{Camera, Scene};
 
-use crate::{Executor, Look, Stage, StudioError};
+use crate::{Executor, Look, Stage, StudioError, Surroundings};
 
 /// Pixels that a single picture is checked by.
 pub const CHECKED_PIXELS: usize = 256;
@@ -37,7 +36,7 @@ impl Stage {
 struct Truth {
     scene: Arc<Scene>,
     camera: Camera,
-    environment: Arc<Equirect>,
+    surroundings: Surroundings,
     background: bool,
 }
 
@@ -45,7 +44,7 @@ impl Truth {
     fn of(stage: &Stage) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
         let background = stage.look().display.background;
-        Ok(Self { scene, camera, environment: Arc::clone(stage.environment()), background })
+        Ok(Self { scene, camera, surroundings: stage.surroundings().clone(), background })
     }
 
     fn check(
@@ -64,7 +63,8 @@ impl Truth {
             progress: None,
             cancel,
         };
-        let traced = trace_pixels(&self.scene, &self.camera, &self.environment, &options, &sample.places())?;
+        let sky = self.surroundings.sky();
+        let traced = trace_pixels(&self.scene, &self.camera, sky, &options, &sample.places())?;
         Ok(sample.error(&traced))
     }
 }
@@ -73,7 +73,7 @@ impl Truth {
 pub(crate) struct Shown {
     pub look: Look,
     pub scene: Arc<Scene>,
-    pub environment: Arc<Equirect>,
+    pub surroundings: Surroundings,
     pub lights: Arc<LightSet>,
     pub size: [u32; 2],
 }
@@ -82,7 +82,7 @@ impl Shown {
     fn is(&self, other: &Self) -> bool {
         // The session replaces what somebody else holds rather than changing it.
         Arc::ptr_eq(&self.scene, &other.scene)
-            && Arc::ptr_eq(&self.environment, &other.environment)
+            && self.surroundings.is(&other.surroundings)
             && Arc::ptr_eq(&self.lights, &other.lights)
             && (&self.look, self.size) == (&other.look, other.size)
     }
@@ -148,6 +148,7 @@ impl Checking {
 
 #[cfg(test)]
 mod tests {
+    use gnomon_envmap::Equirect;
     use gnomon_options::Given;
     use gnomon_reference::ReferenceError;
 
@@ -164,7 +165,7 @@ mod tests {
             let shown = Shown {
                 look: stage.look().clone(),
                 scene: Arc::clone(stage.scene()),
-                environment: Arc::clone(stage.environment()),
+                surroundings: stage.surroundings().clone(),
                 lights: Arc::new(LightSet::new("none", Vec::new(), Equirect::clone(stage.environment()))),
                 size: [16, 12],
             };

@@ -4,14 +4,13 @@ use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use gnomon_envmap::Equirect;
 use gnomon_metrics::{relative_rmse, signed_difference};
 use gnomon_picture::RgbImage;
 use gnomon_reference::{Estimate, Progressive, ReferenceError, ReferenceOptions};
 use gnomon_scene::{Camera, Scene};
 
 use crate::executor::end_slice;
-use crate::{Executor, Stage, StudioError};
+use crate::{Executor, Stage, StudioError, Surroundings};
 
 /// Samples a pixel of one pass: few, so that the first picture comes soon, and enough to be stratified.
 const SAMPLES_PER_PASS: u32 = 4;
@@ -51,7 +50,7 @@ impl ReferencePicture {
 #[derive(Clone)]
 struct Key {
     scene: Arc<Scene>,
-    environment: Arc<Equirect>,
+    surroundings: Surroundings,
     rotation: f32,
     background: bool,
     camera: Camera,
@@ -62,7 +61,7 @@ impl Key {
     fn is(&self, other: &Self) -> bool {
         // The stage replaces what somebody else holds rather than changing it.
         Arc::ptr_eq(&self.scene, &other.scene)
-            && Arc::ptr_eq(&self.environment, &other.environment)
+            && self.surroundings.is(&other.surroundings)
             && (self.rotation, self.background, self.size) == (other.rotation, other.background, other.size)
             && self.camera == other.camera
     }
@@ -117,7 +116,7 @@ impl Converging {
     ) -> Result<Self, StudioError> {
         let key = Key {
             scene: Arc::clone(stage.scene()),
-            environment: Arc::clone(stage.environment()),
+            surroundings: stage.surroundings().clone(),
             rotation: stage.look().environment.rotation,
             background: stage.look().display.background,
             camera: stage.camera()?,
@@ -150,7 +149,7 @@ impl Converging {
 impl Passes {
     fn start(key: &Key, stage: &Stage, executor: &dyn Executor) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
-        let environment = Arc::clone(&key.environment);
+        let surroundings = key.surroundings.clone();
         let [width, height] = key.size;
         let options = ReferenceOptions {
             width,
@@ -169,10 +168,10 @@ impl Passes {
         let task = async move {
             // Dropped last, after the scene.
             let _running = running;
-            let (scene, environment) = (scene, environment);
+            let (scene, surroundings) = (scene, surroundings);
             let tell = |progress| *told.lock().unwrap_or_else(PoisonError::into_inner) = progress;
             let traced = async {
-                let mut passes = Progressive::new(&scene, &camera, &environment, &options)?;
+                let mut passes = Progressive::new(&scene, &camera, surroundings.sky(), &options)?;
                 loop {
                     passes.add_pass(&cancelled)?;
                     tell(Ok(Some(picture_of(passes.estimate()))));

@@ -3,16 +3,20 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::Quat;
-use gnomon_envmap::{Environment, Equirect, builtin, load};
+use glam::{Quat, Vec3};
+use gnomon_envmap::{Equirect, Projection, builtin, load};
 use gnomon_lights::fit::FitSettings;
-use gnomon_lights::{FitOptions, LightSet};
+use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet};
+use gnomon_messages::quoted;
+use gnomon_picture::RgbImage;
+use gnomon_reference::Sky;
 use gnomon_renderer::{PreparedLighting, RenderSettings};
 use gnomon_scene::{Camera, Scene};
 use gnomon_scene_files::EnvironmentSource;
 
+use crate::look::EnvironmentLook;
 use crate::studio::LightingKey;
-use crate::{Look, SceneSource, Stage, StudioError};
+use crate::{Look, SceneFiles, SceneSource, Stage, StudioError};
 
 /// What a name means: a built-in environment, or else a file. Whoever means a file called like a built-in one writes `./room`.
 pub fn environment_named(name: &str) -> EnvironmentSource {
@@ -22,54 +26,198 @@ pub fn environment_named(name: &str) -> EnvironmentSource {
     }
 }
 
-/// Reads or makes the environment of a look as it is, not turned; with what had to be repaired, a line each.
+/// What is infinitely far around a scene, as its look has it but for its turn.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    /// What lights, but for `lights`.
+    map: Arc<Equirect>,
+    /// Lights beside it.
+    lights: Arc<[DistantLight]>,
+    /// Whether they are all lights there are: no more are fitted to the map.
+    is_rig: bool,
+    /// What the camera sees behind the scene, where that is another.
+    background: Option<Arc<Equirect>>,
+    /// Stops that suit it.
+    exposure: f32,
+}
+
+/// A map that lights all by itself and is seen.
+impl From<Arc<Equirect>> for Surroundings {
+    fn from(map: Arc<Equirect>) -> Self {
+        let exposure = map.suitable_exposure();
+        Self { map, lights: Arc::default(), is_rig: false, background: None, exposure }
+    }
+}
+
+impl Surroundings {
+    /// The map that lights.
+    pub fn map(&self) -> &Arc<Equirect> {
+        &self.map
+    }
+
+    /// Stops that bring the environment's mean to 0.5, as its file has it.
+    pub(crate) fn exposure(&self) -> f32 {
+        self.exposure
+    }
+
+    /// For the reference.
+    pub fn sky(&self) -> Sky<'_> {
+        let background = self.background.as_ref().unwrap_or(&self.map);
+        Sky { map: &self.map, lights: &self.lights, background }
+    }
+
+    /// Lights and ambient rest: a rig's own, or by a fit with these options.
+    ///
+    /// # Errors
+    /// As [`fit_lights`].
+    pub fn fit_lights(&self, fit: &FitSettings, options: &FitOptions) -> Result<LightSet, StudioError> {
+        if self.is_rig {
+            let set = LightSet::new("rig", self.lights.to_vec(), Equirect::clone(&self.map));
+            return Ok(LightSet { stands_alone: true, ..set });
+        }
+        fit_lights(fit, options, &self.map)
+    }
+
+    /// Whether these are the very same: whoever changes one replaces it.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        let same_background = match (&self.background, &other.background) {
+            (None, None) => true,
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            _ => false,
+        };
+        Arc::ptr_eq(&self.map, &other.map) && Arc::ptr_eq(&self.lights, &other.lights) && same_background
+    }
+}
+
+/// Reads or makes the surroundings of a look as they are, not turned; with what had to be repaired, a line each.
 ///
 /// # Errors
-/// Unreadable files, pictures of no known layout, names of nothing.
-pub fn load_environment(look: &Look) -> Result<(Equirect, Vec<String>), StudioError> {
-    let names = || builtin::names().collect::<Vec<_>>().join(", ");
-    match &look.map {
-        None => Err(StudioError::Request(format!(
-            "there is no environment: give one with --env (a file, or {})",
-            names()
-        ))),
-        Some(EnvironmentSource::Builtin(name)) => {
-            let map = builtin::by_name(name).ok_or_else(|| no_environment(name, &names()))?;
-            Ok((map, Vec::new()))
-        }
-        Some(EnvironmentSource::File(path)) => {
-            let projection = look.environment.projection;
-            let environment = load(Path::new(path), projection).map_err(|error| match path.exists() {
-                true => error.into(),
-                false => no_environment(&path.to_string_lossy(), &names()),
-            })?;
-            Ok(with_warnings(path, environment))
-        }
-    }
+/// Unreadable files, pictures of no known layout, names of nothing, rigs that cannot be.
+pub fn load_surroundings(look: &Look) -> Result<(Surroundings, Vec<String>), StudioError> {
+    surroundings_of(None, look)
 }
 
-/// The same for a scene of this source: where a program gives the scene's files, the environment's is one of them.
-pub(crate) fn environment_of(
-    source: &SceneSource,
+/// The same for a scene of this source: where a program gives the scene's files, those that the look names are of these.
+pub(crate) fn surroundings_of(
+    source: Option<&SceneSource>,
     look: &Look,
-) -> Result<(Equirect, Vec<String>), StudioError> {
-    match (source, &look.map) {
-        (SceneSource::Files(files), Some(EnvironmentSource::File(path))) => {
-            Ok(with_warnings(path, files.environment(path, look.environment.projection)?))
+) -> Result<(Surroundings, Vec<String>), StudioError> {
+    let files =
+        source.and_then(|source| if let SceneSource::Files(files) = source { Some(files) } else { None });
+    let reader = Reader { files, warnings: Vec::new() };
+    reader.read(look)
+}
+
+/// Reads maps, and keeps what had to be repaired.
+struct Reader<'a> {
+    files: Option<&'a SceneFiles>,
+    warnings: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn read(mut self, look: &Look) -> Result<(Surroundings, Vec<String>), StudioError> {
+        let environment = &look.environment;
+        let mut surroundings = match &environment.rig {
+            Some(rig) => self.rig(Path::new(rig), look)?,
+            None => self.environment(look)?.into(),
+        };
+        if environment.is_graded() {
+            surroundings.grade(environment);
         }
-        _ => load_environment(look),
+        if let Some(background) = &environment.background_map {
+            surroundings.background = Some(Arc::new(self.map(Path::new(background), None)?));
+        }
+        Ok((surroundings, self.warnings))
+    }
+
+    fn environment(&mut self, look: &Look) -> Result<Arc<Equirect>, StudioError> {
+        let names = || builtin::names().collect::<Vec<_>>().join(", ");
+        match &look.map {
+            None => Err(StudioError::Request(format!(
+                "there is no environment: give one with --env (a file, or {})",
+                names()
+            ))),
+            Some(EnvironmentSource::Builtin(name)) => {
+                Ok(Arc::new(builtin::by_name(name).ok_or_else(|| no_environment(name, &names()))?))
+            }
+            Some(EnvironmentSource::File(path)) => {
+                let is_there = self.files.is_some() || path.exists();
+                match self.map(path, look.environment.projection) {
+                    Err(_) if !is_there => Err(no_environment(&path.to_string_lossy(), &names())),
+                    map => Ok(Arc::new(map?)),
+                }
+            }
+        }
+    }
+
+    fn map(&mut self, path: &Path, projection: Option<Projection>) -> Result<Equirect, StudioError> {
+        let environment = match self.files {
+            Some(files) => files.environment(path, projection)?,
+            None => load(path, projection)?,
+        };
+        self.warnings.extend(environment.warnings().iter().map(|w| format!("{}: {w}", path.display())));
+        Ok(environment.map)
+    }
+
+    /// Lights and maps of a rig; the maps lie where it says, seen from there.
+    fn rig(&mut self, path: &Path, look: &Look) -> Result<Surroundings, StudioError> {
+        let invalid =
+            |what: String| StudioError::Request(format!("{} is no light rig: {what}", path.display()));
+        let text = match self.files {
+            Some(files) => files.text(path)?,
+            None => std::fs::read_to_string(path)
+                .map_err(|source| StudioError::Read { path: path.to_owned(), source })?,
+        };
+        let rig = LightDocument::from_json(&text).map_err(|error| invalid(quoted(&error.to_string())))?;
+        let beside = |file: &String| path.parent().unwrap_or(Path::new("")).join(file);
+        let map = match &rig.residual {
+            Some(file) => self.map(&beside(file), None)?,
+            None if rig.residual_flux.iter().any(|flux| *flux > 0.0) => {
+                return Err(invalid(
+                    "its lights leave a map (residual_flux), but it names none (residual)".to_owned(),
+                ));
+            }
+            None => Equirect::new(RgbImage::filled(BLACK.0, BLACK.1, Vec3::ZERO)),
+        };
+        let background = match (&look.map, &rig.background) {
+            (Some(_), _) => Some(self.environment(look)?),
+            (None, Some(file)) => Some(Arc::new(self.map(&beside(file), None)?)),
+            (None, None) => None,
+        };
+        let exposure = background.as_deref().unwrap_or(&map).suitable_exposure();
+        Ok(Surroundings {
+            map: Arc::new(map),
+            lights: rig.shining().into(),
+            is_rig: true,
+            background,
+            exposure,
+        })
     }
 }
 
-fn with_warnings(path: &Path, environment: Environment) -> (Equirect, Vec<String>) {
-    let warnings = environment.warnings().iter().map(|w| format!("{}: {w}", path.display())).collect();
-    (environment.map, warnings)
+/// Size of a map of nothing.
+const BLACK: (u32, u32) = (8, 4);
+
+impl Surroundings {
+    /// Multiplies all light.
+    fn grade(&mut self, look: &EnvironmentLook) {
+        let factor = look.strength * Vec3::from(look.tint);
+        self.map = graded(&self.map, factor);
+        self.background = self.background.as_deref().map(|map| graded(map, factor));
+        self.lights = self.lights.iter().map(|light| light.times(factor)).collect();
+    }
+}
+
+fn graded(map: &Equirect, factor: Vec3) -> Arc<Equirect> {
+    let radiance = map.radiance();
+    let texel = |x, y| (radiance.get(x, y) * factor).min(Vec3::MAX);
+    Arc::new(Equirect::new(RgbImage::from_fn(map.width(), map.height(), texel)))
 }
 
 fn no_environment(name: &str, names: &str) -> StudioError {
     StudioError::Request(format!(
         "there is no environment '{}': no such file, and the built-in ones are {names}",
-        gnomon_messages::quoted(name)
+        quoted(name)
     ))
 }
 
@@ -122,7 +270,7 @@ impl FitScene {
 
 /// An environment, or where to get it.
 pub(crate) enum MapSource {
-    Loaded(Arc<Equirect>),
+    Loaded(Surroundings),
     /// As a scene of this source names it.
     Unread(SceneSource),
 }
@@ -137,7 +285,7 @@ pub(crate) struct LightingRequest {
 
 /// An environment ready for a renderer.
 pub(crate) struct LightingResult {
-    pub map: Arc<Equirect>,
+    pub surroundings: Surroundings,
     pub lights: LightSet,
     pub prepared: PreparedLighting,
     pub warnings: Vec<String>,
@@ -148,23 +296,26 @@ pub(crate) struct LightingResult {
 /// Reads where that is needed, fits and filters.
 pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, StudioError> {
     let LightingRequest { map, look, scene } = request;
-    let (map, warnings) = match map {
-        MapSource::Loaded(map) => (map, Vec::new()),
-        MapSource::Unread(source) => {
-            let (map, warnings) = environment_of(&source, &look)?;
-            (Arc::new(map), warnings)
-        }
+    let (surroundings, warnings) = match map {
+        MapSource::Loaded(surroundings) => (surroundings, Vec::new()),
+        MapSource::Unread(source) => surroundings_of(Some(&source), &look)?,
     };
-    let options = scene.options(&look.fit)?;
-    let lights = fit_lights(&look.fit, &options, &map)?;
+    let options = match surroundings.is_rig {
+        true => look.fit.options(scene.ground)?,
+        false => scene.options(&look.fit)?,
+    };
+    let lights = surroundings.fit_lights(&look.fit, &options)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
-    let prepared = PreparedLighting::new(&map, &lights, &settings)?;
+    let mut prepared = PreparedLighting::new(&surroundings.map, &lights, &settings)?;
+    if let Some(background) = &surroundings.background {
+        prepared = prepared.with_background(Equirect::clone(background));
+    }
     let lit_for = LightingKey::of(&look, scene.ground, options.arrival.is_some());
-    Ok(LightingResult { map, lights, prepared, warnings, lit_for })
+    Ok(LightingResult { surroundings, lights, prepared, warnings, lit_for })
 }
 
 /// The lighting of a stage.
 pub(crate) fn work_out_stage(stage: &Stage) -> Result<LightingResult, StudioError> {
-    let map = MapSource::Loaded(Arc::clone(stage.environment()));
+    let map = MapSource::Loaded(stage.surroundings().clone());
     work_out(LightingRequest { map, look: stage.look().clone(), scene: stage.fit_scene() })
 }

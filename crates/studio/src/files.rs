@@ -35,19 +35,29 @@ impl SceneFiles {
         &*self.files
     }
 
+    /// One of the files as text.
+    pub(crate) fn text(&self, path: &Path) -> Result<String, StudioError> {
+        let bytes = self.bytes(path)?;
+        String::from_utf8(bytes)
+            .map_err(|_| StudioError::Request(format!("{} is not a file of text", path.display())))
+    }
+
     /// One of the files as an environment.
     pub(crate) fn environment(
         &self,
         path: &Path,
         projection: Option<Projection>,
     ) -> Result<Environment, StudioError> {
+        Ok(from_bytes(path, &self.bytes(path)?, projection)?)
+    }
+
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>, StudioError> {
         let shown = path.display();
-        let bytes = self.files.read(path, LONGEST_MAP).map_err(|error| match error {
+        self.files.read(path, LONGEST_MAP).map_err(|error| match error {
             ReadError::Io(source) => StudioError::Read { path: path.to_owned(), source },
             ReadError::NotRegular => StudioError::Request(format!("{shown} is not a regular file")),
             ReadError::TooLong => StudioError::Request(format!("{shown} is longer than {LONGEST_MAP} bytes")),
-        })?;
-        Ok(from_bytes(path, &bytes, projection)?)
+        })
     }
 }
 

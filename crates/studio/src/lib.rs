@@ -38,7 +38,7 @@ mod studio;
 
 pub use check::CHECKED_PIXELS;
 pub use converging::ReferencePicture;
-pub use environment::{FitScene, environment_named, fit_lights, load_environment};
+pub use environment::{FitScene, Surroundings, environment_named, fit_lights, load_surroundings};
 pub use error::StudioError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use error_bound::ErrorBound;

@@ -6,7 +6,8 @@ use gnomon_brdf::Surface;
 use gnomon_envmap::Projection;
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{
-    Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, settings, size, text,
+    Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, color, file, number, settings,
+    size, text,
 };
 use gnomon_renderer::{
     DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
@@ -79,6 +80,34 @@ settings! {
         projection: Option<Projection> = None, choice(Projection::choices).automatic("by its shape", 0.0);
         /// Turn of the environment about +y by the right-hand rule.
         rotation: f32 = 0.0, angle().flag("env-rotation");
+        /// Factor of all its light. The exposure that is left to the program stays that of the file.
+        strength: f32 = 1.0, number(0.0, 1e6).flag("env-strength");
+        /// Factor of each of its colors.
+        tint: [f32; 3] = [1.0, 1.0, 1.0], color().flag("env-tint");
+        /// Lights in its place: a light rig as gnomon decompose writes it, edited or not. An environment that is given is then only seen
+        /// behind the scene, else the rig's own map is.
+        rig: Option<String> = None, file().automatic("none: lights are fitted", 0.0).flag("rig");
+        /// Another map behind the scene, which lights nothing.
+        background_map: Option<String> = None, file().automatic("the environment", 0.0).flag("background-map");
+    }
+}
+
+impl EnvironmentLook {
+    /// Whether its light is not as its files have it.
+    pub(crate) fn is_graded(&self) -> bool {
+        (self.strength, self.tint) != (1.0, [1.0; 3])
+    }
+
+    /// With other paths of its files.
+    pub(crate) fn with_files<E>(&self, to: impl Fn(&str) -> Result<String, E>) -> Result<Self, E> {
+        let moved = |file: &Option<String>| file.as_deref().map(&to).transpose();
+        let (rig, background_map) = (moved(&self.rig)?, moved(&self.background_map)?);
+        Ok(Self { rig, background_map, ..self.clone() })
+    }
+
+    /// Takes over another's turn.
+    fn turned_as(&self, other: &Self) -> Self {
+        Self { rotation: other.rotation, ..self.clone() }
     }
 }
 
@@ -128,7 +157,12 @@ impl Look {
 
     /// Whether the environment is the same but for its turn.
     pub(crate) fn has_map_of(&self, other: &Self) -> bool {
-        (&self.map, self.environment.projection) == (&other.map, other.environment.projection)
+        (&self.map, self.environment.turned_as(&other.environment)) == (&other.map, other.environment.clone())
+    }
+
+    /// Whether there is something around the scene.
+    pub fn has_environment(&self) -> bool {
+        self.map.is_some() || self.environment.rig.is_some()
     }
 
     /// Takes another environment, as it is.
@@ -215,7 +249,11 @@ mod tests {
         now.display.tone_mapping = ToneMapping::Linear;
         now.animation.time = 3.0;
         let sky = Some(EnvironmentSource::Builtin("sky".to_owned()));
-        let file = EnvironmentLook { projection: Some(Projection::Equirect), rotation: 5.0 };
+        let file = EnvironmentLook {
+            projection: Some(Projection::Equirect),
+            rotation: 5.0,
+            ..EnvironmentLook::default()
+        };
         let mut brought = Look { map: sky, environment: file.clone(), ..Look::default() };
         (brought.display.exposure, brought.display.background) = (Some(2.0), false);
         let mut kept = brought.clone();

@@ -111,6 +111,14 @@ impl Project {
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
         let Sections { fit, render, display, animation, environment, surface } = sections.unwrap_or_default();
+        let folder = match &source {
+            SceneSource::Builtin(_) => None,
+            SceneSource::File(path) => path.parent(),
+            SceneSource::Files(files) => files.path().parent(),
+        };
+        let folder = folder.unwrap_or(Path::new(""));
+        let environment =
+            environment.map_files::<EnvironmentLook>(|file| folder.join(file).to_string_lossy().into_owned());
         look.animation = AnimationLook::default();
         [&fit, &render, &display, &animation, given].into_iter().for_each(|given| given.apply(&mut look));
         look.camera = CameraLook::Automatic;
@@ -134,7 +142,8 @@ impl Project {
         look.scene = SceneLook { ground };
         let brings_environment = own.is_some();
         if let Some(own) = own {
-            look.set_environment(own.source);
+            look.map = own.source;
+            look.environment = EnvironmentLook::default();
             look.display.exposure = own.exposure_ev;
         }
         // What the environment brings gives way, too.

@@ -21,7 +21,7 @@ struct LookTables<'a> {
     scene: &'a SceneLook,
     #[serde(skip_serializing_if = "Option::is_none")]
     camera: Option<Camera>,
-    environment: EnvironmentTable<'a>,
+    environment: EnvironmentTable,
     fit: &'a FitSettings,
     #[serde(serialize_with = "gnomon_options::serialize")]
     render: (LightingSettings, TechniqueSettings),
@@ -33,7 +33,7 @@ struct LookTables<'a> {
 }
 
 #[derive(Serialize)]
-struct EnvironmentTable<'a> {
+struct EnvironmentTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -41,7 +41,7 @@ struct EnvironmentTable<'a> {
     /// `[display]` has the number, where there is one.
     exposure: &'static str,
     #[serde(flatten)]
-    options: &'a EnvironmentLook,
+    options: EnvironmentLook,
 }
 
 #[derive(Serialize)]
@@ -80,6 +80,7 @@ impl Stage {
         let (file, builtin) = match &look.map {
             Some(EnvironmentSource::File(file)) => (Some(relative(file, folder)?), None),
             Some(EnvironmentSource::Builtin(name)) => (None, Some(name.clone())),
+            None if look.environment.rig.is_some() => (None, None),
             None => {
                 return Err(StudioError::Request("an environment without a file cannot be saved".to_owned()));
             }
@@ -96,7 +97,7 @@ impl Stage {
                 file,
                 builtin,
                 exposure: "automatic",
-                options: &look.environment,
+                options: look.environment.with_files(|file| relative(Path::new(file), folder))?,
             },
             fit: &look.fit,
             render: (look.lighting.clone(), look.techniques.clone()),

@@ -7,7 +7,7 @@ use gnomon_envmap::Equirect;
 use gnomon_options::Options;
 use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
-use crate::environment::{FitScene, environment_of};
+use crate::environment::{FitScene, Surroundings, surroundings_of};
 use crate::look::{AnimationLook, CameraLook};
 use crate::pose::{pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
@@ -26,9 +26,7 @@ pub struct Stage {
     reach: Option<Bounds>,
     /// At rest.
     stands_on_ground: bool,
-    environment: Arc<Equirect>,
-    /// Its suitable exposure [stops].
-    automatic_exposure: f32,
+    surroundings: Surroundings,
     warnings: Vec<String>,
 }
 
@@ -120,8 +118,8 @@ impl Stage {
     /// # Errors
     /// A scene without environment, files that cannot be used, names of nothing.
     pub fn new(project: Project) -> Result<Self, StudioError> {
-        let (map, warnings) = environment_of(&project.source, &project.look)?;
-        Self::under(project, Arc::new(map), warnings)
+        let (surroundings, warnings) = surroundings_of(Some(&project.source), &project.look)?;
+        Self::under(project, surroundings, warnings)
     }
 
     /// The same under an environment that has been read; `warnings` are what its reader said.
@@ -130,7 +128,7 @@ impl Stage {
     /// As [`Stage::new`], but for the environment.
     pub fn under(
         project: Project,
-        environment: Arc<Equirect>,
+        surroundings: impl Into<Surroundings>,
         mut warnings: Vec<String>,
     ) -> Result<Self, StudioError> {
         let Project { source, scene, look, .. } = project;
@@ -142,7 +140,6 @@ impl Stage {
         let stands_on_ground = loaded.stands_on_ground(&scene);
         pose(&mut scene, &look.animation)?;
         warnings.extend(loaded.new_warnings(&source, &scene));
-        let automatic_exposure = environment.suitable_exposure();
         let stage = Self {
             source,
             look,
@@ -150,8 +147,7 @@ impl Stage {
             loaded: Arc::new(loaded),
             reach,
             stands_on_ground,
-            environment,
-            automatic_exposure,
+            surroundings: surroundings.into(),
             warnings,
         };
         stage.look.check()?;
@@ -180,9 +176,14 @@ impl Stage {
         }
     }
 
-    /// The environment as it is drawn, but for its turn.
+    /// The map that lights, as it is drawn but for its turn.
     pub fn environment(&self) -> &Arc<Equirect> {
-        &self.environment
+        self.surroundings.map()
+    }
+
+    /// Everything around the scene, as it is drawn but for its turn.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
     }
 
     /// Where the scene is from.
@@ -232,7 +233,7 @@ impl Stage {
 
     /// Stops of exposure of the displayed picture.
     pub fn exposure(&self) -> f32 {
-        self.look.display.exposure.unwrap_or(self.automatic_exposure)
+        self.look.display.exposure.unwrap_or(self.surroundings.exposure())
     }
 
     /// How the environment is turned.
@@ -240,7 +241,7 @@ impl Stage {
         Quat::from_rotation_y(self.look.environment.rotation.to_radians())
     }
 
-    /// Scene and view for the reference, under the environment as it is: instead of it they turn, the other way, so that no texel of it is
+    /// Scene and view for the reference, under [`Stage::surroundings`] as they are: instead of it they turn, the other way, so that no texel of it is
     /// resampled.
     ///
     /// # Errors
@@ -267,11 +268,11 @@ impl Stage {
     pub fn set_look(&mut self, look: Look) -> Result<(), StudioError> {
         let map = match self.look.has_map_of(&look) {
             true => None,
-            false => Some(environment_of(&self.source, &look)?),
+            false => Some(surroundings_of(Some(&self.source), &look)?),
         };
         (*self, _) = self.with_look(look)?;
-        if let Some((map, warnings)) = map {
-            self.set_environment(Arc::new(map), warnings);
+        if let Some((surroundings, warnings)) = map {
+            self.set_surroundings(surroundings, warnings);
         }
         Ok(())
     }
@@ -313,9 +314,8 @@ impl Stage {
         &mut self.look
     }
 
-    pub(crate) fn set_environment(&mut self, map: Arc<Equirect>, warnings: Vec<String>) {
-        self.automatic_exposure = map.suitable_exposure();
-        self.environment = map;
+    pub(crate) fn set_surroundings(&mut self, surroundings: Surroundings, warnings: Vec<String>) {
+        self.surroundings = surroundings;
         self.warnings.extend(warnings);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gnomon_envmap::{Equirect, Projection};
+use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
 use gnomon_metrics::SampledError;
@@ -18,6 +18,7 @@ use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
+use crate::look::EnvironmentLook;
 use crate::stage::LookChange;
 use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
@@ -63,7 +64,8 @@ pub struct Studio {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightingKey {
     map: Option<EnvironmentSource>,
-    projection: Option<Projection>,
+    /// How it is read; its turn is another matter.
+    environment: EnvironmentLook,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
@@ -78,7 +80,7 @@ impl LightingKey {
             map: look.map.clone(),
             // Else turning needs no new lights.
             interior_turn: is_interior.then_some(look.environment.rotation),
-            projection: look.environment.projection,
+            environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
             lighting: look.lighting.clone(),
@@ -86,13 +88,14 @@ impl LightingKey {
     }
 
     fn same_map(&self, other: &Self) -> bool {
-        (&self.map, self.projection) == (&other.map, other.projection)
+        (&self.map, &self.environment) == (&other.map, &other.environment)
     }
 
     /// Puts a look back to what these lights are for.
     fn restore(&self, look: &mut Look) {
         look.map = self.map.clone();
-        look.environment.projection = self.projection;
+        let rotation = look.environment.rotation;
+        look.environment = EnvironmentLook { rotation, ..self.environment.clone() };
         look.fit = self.fit.clone();
         look.lighting = self.lighting.clone();
     }
@@ -265,7 +268,7 @@ impl Studio {
         let shown = Shown {
             look: self.look().clone(),
             scene: Arc::clone(self.stage.scene()),
-            environment: Arc::clone(self.stage.environment()),
+            surroundings: self.stage.surroundings().clone(),
             lights: Arc::clone(&self.lights),
             size: [width, height],
         };

@@ -2,22 +2,29 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use gnomon::lights::preview;
+use gnomon::envmap::Equirect;
+use gnomon::lights::{LightSet, fit, preview};
 use gnomon::options::Given;
+use gnomon::rigs::{self, Target, targets};
 use gnomon::studio::{self, Look, Project, Stage};
 use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
-use crate::options::{Fitted, LookArgs, Selection, environment_help, load_environment};
+use crate::options::{Fitted, LookArgs, environment_help, load_environment};
 use crate::output;
 
-/// Take an environment apart into area lights and an ambient rest
+/// Take an environment apart into area lights and an ambient rest, for this program or another
 ///
-/// Every light has a centre direction, an outline, a solid angle [sr], and radiance and flux as linear RGB; the flux of all
-/// lights and of the residual map together is the environment's.
+/// Lights and the map that they leave go into a rig: as JSON, which gnomon render --rig takes back edited, or as other programs read it. Maps
+/// are written beside it, named after it. Where lights leave nothing for mirrors to show, the whole map goes in for these alone, or fewer
+/// lights are fitted that leave something; the file says which. The flux of all lights and of the residual map together is the
+/// environment's.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   gnomon decompose grace.hdr --preview lights.png
+  gnomon decompose grace.hdr -o grace.usda
+  gnomon decompose sky -o rig.py --light-count 16
+  gnomon decompose sky -o lights.xml --format mujoco
   gnomon decompose room --method partition --light-count 60 -o lights.json --residual rest.exr")]
 pub struct DecomposeArgs {
     /// Environment map, or a built-in one
@@ -27,8 +34,8 @@ pub struct DecomposeArgs {
     #[command(flatten)]
     look: LookArgs<Fitted>,
 
-    /// Scene that the lights are for: those that it is drawn with, by default `optimized` ones; in an interior they go to what comes in, and
-    /// what arrives nowhere is left out
+    /// Scene that the lights are for: those that it is drawn with; in an interior they go to what comes in, and what arrives nowhere is left
+    /// out
     #[arg(long, value_name = "SCENE", conflicts_with = "above_ground")]
     scene: Option<String>,
 
@@ -37,9 +44,13 @@ pub struct DecomposeArgs {
     #[arg(long)]
     above_ground: bool,
 
-    /// Write the lights as JSON here instead of on standard output
-    #[arg(short, long, value_name = "LIGHTS.json")]
+    /// Write the rig here instead of, as JSON, on standard output
+    #[arg(short, long, value_name = "RIG")]
     output: Option<PathBuf>,
+
+    /// Program that the rig is for
+    #[arg(long, value_name = "NAME", help = brief_formats(), long_help = formats(), value_parser = target_named)]
+    format: Option<&'static Target>,
 
     /// Write what is left of the map: the ambient part
     #[arg(long, value_name = "OUT.exr")]
@@ -50,29 +61,81 @@ pub struct DecomposeArgs {
     preview: Option<PathBuf>,
 }
 
+fn names() -> String {
+    targets().iter().map(|target| target.name).collect::<Vec<_>>().join(", ")
+}
+
+fn target_named(name: &str) -> Result<&'static Target, String> {
+    rigs::by_name(name).ok_or_else(|| format!("the formats of rigs are {}", names()))
+}
+
+fn brief_formats() -> String {
+    format!("Program that the rig is for: {} [default: by the name's extension]", names())
+}
+
+fn formats() -> String {
+    let line = |target: &Target| {
+        let extensions: Vec<_> =
+            target.extensions.iter().map(|extension| format!(" (.{extension})")).collect();
+        let most =
+            target.most_lights.map_or(String::new(), |most| format!("; {most} lights unless told otherwise"));
+        format!("\n- {}{}: {}{most}", target.name, extensions.concat(), target.summary)
+    };
+    brief_formats() + &targets().iter().map(line).collect::<String>()
+}
+
 /// Width of the preview picture, unless the map is smaller.
 const PREVIEW_WIDTH: u32 = 1024;
+
+impl DecomposeArgs {
+    /// The program that the rig is for.
+    fn target(&self) -> Result<&'static Target, CliError> {
+        match (self.format, &self.output) {
+            (Some(target), _) => Ok(target),
+            (None, None) => Ok(&targets()[0]),
+            (None, Some(path)) => {
+                let extension = path.extension().unwrap_or_default().to_string_lossy();
+                rigs::by_extension(&extension).ok_or_else(|| {
+                    let path = path.display();
+                    CliError::usage(format!("the name {path} tells no rig format: give one with --format"))
+                })
+            }
+        }
+    }
+
+    /// The look that was asked for, with the fit that the program can show where nobody says which.
+    fn asked(&self, target: &Target) -> Look {
+        let mut asked = Look::default();
+        let (method, count) = target.fit();
+        let is_given = |names: &[&str]| names.iter().any(|name| self.look.given.has(name));
+        if !is_given(&["lights"]) {
+            asked.fit.method = method.map_or(asked.fit.method, str::to_owned);
+            if !is_given(&["light-count", "threshold"]) {
+                asked.fit.light_count = count;
+            }
+        }
+        self.look.given.apply(&mut asked);
+        asked
+    }
+}
 
 /// Runs the command.
 ///
 /// # Errors
 /// An environment that cannot be read or fitted, unwritable outputs.
 pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
-    if let Some(path) = &args.output {
-        output::check(path, &["json"])?;
+    let target = args.target()?;
+    match &args.output {
+        Some(path) => output::check_folder(path)?,
+        None if target.name == targets()[0].name => {}
+        None => {
+            return Err(CliError::usage(format!("{} is written to a file: give it with -o", target.name)));
+        }
     }
-    if let Some(path) = &args.residual {
-        output::check(path, &["exr"])?;
+    for (path, extension) in [(&args.residual, "exr"), (&args.preview, "png")] {
+        path.as_ref().map_or(Ok(()), |path| output::check(path, &[extension]))?;
     }
-    if let Some(path) = &args.preview {
-        output::check(path, &["png"])?;
-    }
-    // A scene gets the lights that it is drawn with.
-    let mut asked = match args.scene {
-        Some(_) => Look::default().fit,
-        None => Fitted::defaults().fit,
-    };
-    args.look.given.apply(&mut asked);
+    let asked = args.asked(target).fit;
     asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");
     let environment = Arc::new(load_environment(&args.environment, &args.look.given, terminal)?);
@@ -84,7 +147,6 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
         None => asked.options(args.above_ground)?,
     };
     let lights = studio::fit_lights(&asked, &options, &environment)?;
-    drop(spinner);
     if let Some(path) = &args.residual {
         gnomon::picture::write(path, lights.residual.radiance())?;
     }
@@ -94,16 +156,32 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     }
     match &args.output {
         Some(path) => {
-            output::write_text(path, &lights.to_json())?;
-            let share = 100.0 * (1.0 - lights.flux_shares().residual);
-            let of = match lights.omits_hidden {
-                true => "what arrives in the scene",
-                false => "the environment's flux",
-            };
-            let count = lights.lights.len();
-            terminal.note(&format!("{count} {} carry {share:.1} % of {of}", lights.method));
+            let told = told(&lights, &environment);
+            let about = [format!("Light of {}, by Gnomon: {told}.", args.environment)];
+            let written = rigs::write(target, path, &environment, &lights, &about)?;
+            drop(spinner);
+            written.warnings.iter().for_each(|warning| terminal.warn(warning));
+            terminal.note(&told);
             Ok(())
         }
-        None => Ok(print(&lights.to_json())?),
+        None => {
+            drop(spinner);
+            Ok(print(&lights.document().to_json())?)
+        }
+    }
+}
+
+/// What lights there are, and how far they are from their map.
+fn told(lights: &LightSet, environment: &Equirect) -> String {
+    let (count, method) = (lights.lights.len(), lights.method);
+    let share = 100.0 * (1.0 - lights.flux_shares().residual);
+    match lights.omits_hidden {
+        true => format!("{count} {method} lights carry {share:.1} % of what arrives in the scene"),
+        false => {
+            let error = 100.0 * fit::error_behind_edges(environment, lights);
+            format!(
+                "{count} {method} lights carry {share:.1} % of the environment's flux; light behind edges is off by {error:.1} %"
+            )
+        }
     }
 }

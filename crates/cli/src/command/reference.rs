@@ -70,7 +70,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     let progress = |share| bar.set(share);
     let (scene, camera) = stage.for_reference()?;
     let options = ReferenceOptions { progress: Some(&progress), ..options };
-    let estimate = render(&scene, &camera, stage.environment(), &options)?;
+    let estimate = render(&scene, &camera, stage.surroundings().sky(), &options)?;
     drop(bar);
     let display = (stage.exposure(), stage.look().display.tone_mapping);
     output::write_radiance(&args.output, &estimate.mean, display)?;

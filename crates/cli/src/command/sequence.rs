@@ -59,7 +59,7 @@ pub fn reference(
     job.run(terminal, |look| {
         stage.set_look(look)?;
         let (scene, camera) = stage.for_reference()?;
-        Ok((reference::render(&scene, &camera, stage.environment(), options)?.mean, None))
+        Ok((reference::render(&scene, &camera, stage.surroundings().sky(), options)?.mean, None))
     })
 }
 

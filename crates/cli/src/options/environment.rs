@@ -13,10 +13,15 @@ use crate::error::CliError;
 pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result<Equirect, CliError> {
     let mut look = Look { map: Some(environment_named(name)), ..Look::default() };
     given.apply(&mut look);
-    let (map, warnings) = studio::load_environment(&look)?;
+    if look.environment.rig.is_some() || look.environment.background_map.is_some() {
+        return Err(CliError::usage(
+            "--rig and --background-map are for pictures: here an environment is fitted",
+        ));
+    }
+    let (surroundings, warnings) = studio::load_surroundings(&look)?;
     warnings.iter().for_each(|warning| terminal.warn(warning));
-    let degrees = look.environment.rotation;
-    Ok(if degrees == 0.0 { map } else { map.rotated(degrees.to_radians()) })
+    let (map, degrees) = (surroundings.map(), look.environment.rotation);
+    Ok(if degrees == 0.0 { Equirect::clone(map) } else { map.rotated(degrees.to_radians()) })
 }
 
 /// What an environment may be, for help texts.

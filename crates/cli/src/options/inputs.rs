@@ -23,8 +23,8 @@ pub struct InputArgs {
     #[arg(long, value_name = "ENV", help = format!("{} [default: the scene file's]", environment_help()))]
     env: Option<String>,
 
-    /// View: 'eye=X,Y,Z; target=X,Y,Z; fov=DEGREES' (horizontal), a TOML or JSON file with these three, or the name of one of
-    /// the scene's cameras [default: the scene's first, or one that frames it over the whole of its clip]
+    /// View: 'eye=X,Y,Z; target=X,Y,Z; fov=DEGREES' (horizontal), or of a calibrated camera 'fx=PX; fy=PX; cx=PX; cy=PX; size=WxH' (OpenCV)
+    /// in place of fov, with fov 'shift=X,Y' in picture widths; a TOML or JSON file with these; or the name of one of the scene's cameras [default: the scene's first, or one that frames it over the whole of its clip]
     #[arg(long, value_name = "CAMERA")]
     camera: Option<String>,
 
@@ -50,7 +50,7 @@ impl InputArgs {
             look.set_environment(environment_named(name));
             given.apply(look);
         }
-        if look.map.is_none() {
+        if !look.has_environment() {
             return Err(CliError::usage(format!(
                 "{} brings no environment: give one with --env (a file, or {})",
                 self.scene,

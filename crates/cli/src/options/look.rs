@@ -14,11 +14,6 @@ use gnomon::studio::{AnimationLook, EnvironmentLook, Look, PictureSettings, Scen
 pub trait Selection {
     /// They.
     fn specs() -> Vec<&'static OptionSpec>;
-
-    /// The look that the options are laid over.
-    fn defaults() -> Look {
-        Look::default()
-    }
 }
 
 /// What is seen and how it is shown, whatever makes the picture.
@@ -49,13 +44,6 @@ impl Selection for Fitted {
     fn specs() -> Vec<&'static OptionSpec> {
         specs::<(FitSettings, EnvironmentLook)>()
     }
-
-    // The lights themselves are what is asked for: few of them, that people can look at.
-    fn defaults() -> Look {
-        let mut look = Look::default();
-        look.fit.method = "disks".to_owned();
-        look
-    }
 }
 
 /// Options of a look that were given, of those that a command takes.
@@ -69,7 +57,7 @@ pub struct LookArgs<S> {
 impl<S: Selection> Args for LookArgs<S> {
     fn augment_args(command: Command) -> Command {
         let mut defaults = BTreeMap::new();
-        S::defaults().visit(&mut |spec, field| drop(defaults.insert(spec.name(), field.get())));
+        Look::default().visit(&mut |spec, field| drop(defaults.insert(spec.name(), field.get())));
         let specs = S::specs();
         specs.iter().fold(command, |command, spec| {
             let default = defaults.get(&spec.name()).unwrap_or(&OptionValue::Automatic);

@@ -141,6 +141,7 @@ impl LightFit for Disks {
             lights,
             residual: Equirect::new(residual),
             omits_hidden: false,
+            stands_alone: false,
         })
     }
 }

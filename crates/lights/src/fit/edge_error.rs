@@ -51,6 +51,12 @@ impl Points {
         negated
     }
 
+    /// Direction and flux of each.
+    pub(super) fn all(&self) -> Vec<(DVec3, DVec3)> {
+        let at = |i: usize| self.components.each_ref().map(|list| list[i]);
+        (0..self.len).map(at).map(|[x, y, z, r, g, b]| (DVec3::new(x, y, z), DVec3::new(r, g, b))).collect()
+    }
+
     /// Sum of `flux k(towards, w)` over all points at `w`, for each channel.
     pub(super) fn potential(&self, towards: DVec3) -> DVec3 {
         self.sums(|at, flux| flux * kernel(towards.dot(at).clamp(-1.0, 1.0)))

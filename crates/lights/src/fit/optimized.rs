@@ -37,7 +37,7 @@ const THREE_PLACES: &Quadrature =
 /// Texels along the side of the largest part of a face that one point stands for.
 const COARSEST: usize = 8;
 /// Largest share of the whole flux that one point stands for, unless it is a single texel, as a share of a light's mean flux.
-const LARGEST_SHARE: f64 = 0.15;
+pub(super) const LARGEST_SHARE: f64 = 0.15;
 /// Weight of lights' widths: shadows of wide lights are the least exact. Without it pictures with 30 lights are off by a twelfth more,
 /// and twice the weight changes little; the smaller it is, the less are edges of exact shadows wrong.
 pub(super) const WIDTH_WEIGHT: f64 = 1.0;
@@ -192,7 +192,7 @@ pub(super) fn optimized(
 
 /// The map as points, the denser the brighter it is: none stands for more than `largest` of the whole flux or is wider than
 /// [`COARSEST`] texels, unless it is one texel. Each lies at the centre of its light. Fluxes are the map's times `scale`.
-fn sky(faces: &Faces, scale: f64, largest: f64) -> Points {
+pub(super) fn sky(faces: &Faces, scale: f64, largest: f64) -> Points {
     let mut points = Points::default();
     for face in 0..6 {
         let texel_point = |texel: usize| {

@@ -267,7 +267,7 @@ impl Renderer {
                 | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
-                | flag(lit.lighting.omits_hidden, layout::FLAG_OMITS_HIDDEN)
+                | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
                 | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,

@@ -25,8 +25,8 @@ super::constants! {
     pub const FLAG_SPECULAR_SUMS: u32 = 4;
     /// [`View::flags`]: sums of the light of the scene's own lights are kept.
     pub const FLAG_NEAR_SUMS: u32 = 8;
-    /// [`View::flags`]: the lights leave out what arrives nowhere, so that unshadowed light is theirs and not the whole environment's.
-    pub const FLAG_OMITS_HIDDEN: u32 = 16;
+    /// [`View::flags`]: the lights leave out what arrives nowhere or are no fit's: unshadowed light is theirs and not the whole environment's.
+    pub const FLAG_OWN_LIGHT: u32 = 16;
     /// [`View::flags`]: light is summed with visibilities by few rays.
     pub const FLAG_GRAINY_SUMS: u32 = 32;
 

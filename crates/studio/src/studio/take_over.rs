@@ -7,7 +7,9 @@ use gnomon_options::Given;
 use gnomon_renderer::{Change, Gpu, LightingChange, PreparedLighting, SceneChange};
 
 use super::{LightingKey, Studio, Update, checked, renderer_of};
-use crate::environment::{LightingRequest, LightingResult, MapSource, work_out, work_out_stage};
+use crate::environment::{
+    LightingRequest, LightingResult, MapSource, Surroundings, work_out, work_out_stage,
+};
 use crate::frame_rate::FramesInFlight;
 use crate::{Look, Project, SceneSource, Stage, StudioError};
 
@@ -15,7 +17,7 @@ use crate::{Look, Project, SceneSource, Stage, StudioError};
 pub(super) struct SceneRequest {
     source: SceneSource,
     look: Look,
-    environment: Arc<Equirect>,
+    surroundings: Surroundings,
     lit_for: LightingKey,
     /// Whether a program gave the files of the scene before.
     was_given: bool,
@@ -37,7 +39,7 @@ impl SceneRequest {
         let is_given = self.was_given || matches!(project.source, SceneSource::Files(_));
         let is_same = self.lit_for.same_map(&LightingKey::of(&project.look, false, false));
         let stage = match is_same && !(is_given && project.brings_environment) {
-            true => Stage::under(project, self.environment, Vec::new())?,
+            true => Stage::under(project, self.surroundings, Vec::new())?,
             false => Stage::new(project)?,
         };
         let lighting = work_out_stage(&stage)?;
@@ -52,7 +54,7 @@ impl Studio {
         self.scenes.request(SceneRequest {
             source,
             look: self.look().clone(),
-            environment: Arc::clone(self.stage.environment()),
+            surroundings: self.stage.surroundings().clone(),
             lit_for: self.lit_for.clone(),
             was_given: matches!(self.stage.source(), SceneSource::Files(_)),
         });
@@ -62,7 +64,7 @@ impl Studio {
     /// called every frame. One map is worked on at a time and those that come meanwhile replace each other, so that lights lag behind by
     /// as long as a fit takes and none is shown that was not asked for. The look keeps the name of the file before it.
     pub fn stream_environment(&mut self, map: Arc<Equirect>) {
-        self.request_lighting_by(MapSource::Loaded(map));
+        self.request_lighting_by(MapSource::Loaded(map.into()));
     }
 
     /// Reads the look's environment anew on a thread: after its file has changed, or to end a stream.
@@ -118,13 +120,13 @@ impl Studio {
     fn prepare_lighting(&self) -> Result<PreparedLighting, StudioError> {
         let mut look = self.look().clone();
         self.lit_for.restore(&mut look);
-        let map = MapSource::Loaded(Arc::clone(self.stage.environment()));
+        let map = MapSource::Loaded(self.stage.surroundings().clone());
         Ok(work_out(LightingRequest { map, look, scene: self.stage.fit_scene() })?.prepared)
     }
 
     pub(super) fn request_lighting(&mut self) {
         self.request_lighting_by(match self.lit_for.same_map(&self.wanted_lighting()) {
-            true => MapSource::Loaded(Arc::clone(self.stage.environment())),
+            true => MapSource::Loaded(self.stage.surroundings().clone()),
             false => MapSource::Unread(self.stage.source().clone()),
         });
     }
@@ -145,10 +147,10 @@ impl Studio {
     }
 
     fn light_up(&mut self, result: LightingResult) -> Result<(), StudioError> {
-        let LightingResult { map, lights, prepared, warnings, lit_for } = result;
+        let LightingResult { surroundings, lights, prepared, warnings, lit_for } = result;
         let mut stage = self.stage.clone();
         // The suitable exposure is that of the environment that is seen now.
-        stage.set_environment(map, warnings);
+        stage.set_surroundings(surroundings, warnings);
         let lighting = Some(LightingChange::Prepared(Box::new(prepared)));
         self.renderer.change(Change { lighting, ..self.change_to(&stage) })?;
         self.lit_for = lit_for;

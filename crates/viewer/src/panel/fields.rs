@@ -7,6 +7,8 @@ use eframe::egui::{
     Vec2, emath,
 };
 
+use gnomon_options::OptionValue;
+
 use crate::targets::Targets;
 
 /// Width of the labels' column [points].
@@ -158,6 +160,28 @@ pub fn drag<N: emath::Numeric>(
     let response = ui.add(drag.range(range).speed(speed));
     targets.put(ui, &response, name);
     response.changed()
+}
+
+/// The path of a file to be typed, or none; what the user made of it once the line is left.
+pub fn path(ui: &mut Ui, targets: &mut Targets, name: &str, value: &OptionValue) -> Option<OptionValue> {
+    let own = if let OptionValue::Name(path) = value { path.as_str() } else { "" };
+    let id = ui.make_persistent_id(name);
+    let typed = ui.data(|data| data.get_temp::<String>(id));
+    let mut text = typed.unwrap_or_else(|| own.to_owned());
+    let width = ui.available_width() - 8.0;
+    let response = ui.add(TextEdit::singleline(&mut text).hint_text("none").desired_width(width));
+    targets.put(ui, &response, name);
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+        return None;
+    }
+    ui.data_mut(|data| data.remove::<String>(id));
+    let changed = response.lost_focus() && text != own;
+    match text.is_empty() {
+        _ if !changed => None,
+        true => Some(OptionValue::Automatic),
+        false => Some(OptionValue::Name(text)),
+    }
 }
 
 /// Yes or no; whether the user changed it.

@@ -6,7 +6,7 @@ use eframe::egui::Ui;
 use gnomon_options::{Kind, OptionField, OptionSpec, OptionValue, Options};
 use gnomon_studio::Look;
 
-use super::fields::{Fields, drag, list, slide, tick};
+use super::fields::{Fields, drag, list, path, slide, tick};
 use crate::targets::Targets;
 
 /// Widest range of a slider; wider ones are typed or dragged.
@@ -107,7 +107,7 @@ fn control(
     let (name, value) = (spec.name(), field.get());
     let tip = format!("{name}: {}\n{}", spec.help(), spec.allowed());
     let changed = fields.row(&spec.label(), &tip, |ui, targets| {
-        let is_list = matches!(spec.kind, Kind::Choice(_) | Kind::Text);
+        let is_list = matches!(spec.kind, Kind::Choice(_) | Kind::Text | Kind::File);
         if spec.automatic.is_some() && !is_list {
             let mut automatic = value == OptionValue::Automatic;
             if tick(ui, targets, &format!("automatic {name}"), &mut automatic, "automatic") {
@@ -198,6 +198,14 @@ fn edit(
             let picked = list(ui, targets, name, &value.to_string(), entries)?;
             picked.parse().ok().map(OptionValue::Whole)
         }
+        (Kind::Color, OptionValue::Color(mut color)) => {
+            let channels = ["red", "green", "blue"].iter().zip(&mut color);
+            let changed = channels
+                .map(|(channel, value)| drag(ui, targets, &format!("{name} {channel}"), value, 0.0..=1e6));
+            // All are drawn, whichever changes.
+            changed.fold(false, |any, one| any | one).then_some(OptionValue::Color(color))
+        }
+        (Kind::File, value) => path(ui, targets, name, &value),
         (Kind::Choice(choices), value) => {
             let automatic = spec.automatic.map(|meaning| (AUTOMATIC, meaning));
             let entries = choices().into_iter().map(|choice| (choice.name, choice.summary));

@@ -1,0 +1,148 @@
+//! Scenes under light rigs, and environments whose light is changed.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
+
+use std::f32::consts::PI;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use gnomon_envmap::{Equirect, builtin};
+use gnomon_lights::{DistantLight, LightDocument, LightSet};
+use gnomon_options::Given;
+use gnomon_picture::RgbImage;
+use gnomon_reference::{ReferenceOptions, render};
+use gnomon_studio::{EnvironmentLook, Look, Project, Stage, StudioError, environment_named};
+
+/// A disk of a milliradian straight above, of irradiance `pi`, and an even rest of radiance 0.25.
+fn write_rig(folder: &Path, change: impl FnOnce(&mut LightDocument)) -> String {
+    let rest = RgbImage::filled(16, 8, Vec3::splat(0.25));
+    let flux = DVec3::splat(std::f64::consts::PI);
+    let lights = vec![DistantLight::disk(DVec3::Y, 1e-3, flux)];
+    let set = LightSet::new("disks", lights, Equirect::new(rest));
+    gnomon_picture::write(folder.join("rest.exr"), set.residual.radiance()).unwrap();
+    let mut document = LightDocument { residual: Some("rest.exr".to_owned()), ..set.document() };
+    change(&mut document);
+    let path = folder.join("rig.json");
+    std::fs::write(&path, document.to_json()).unwrap();
+    path.to_string_lossy().into_owned()
+}
+
+/// A matt white floor of 2 m.
+fn floor(folder: &Path) -> String {
+    let path = folder.join("floor.obj");
+    std::fs::write(&path, "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n").unwrap();
+    let scene = folder.join("floor.toml");
+    let text = "[[model]]\nfile = 'floor.obj'\nmaterial = 'white'\n[material.white]\nbase_color = [1, 1, 1]\n\
+        [camera]\neye = [0, 3, 0.01]\ntarget = [0, 0, 0]\nfov = 20\n";
+    std::fs::write(&scene, text).unwrap();
+    scene.to_string_lossy().into_owned()
+}
+
+fn stage(scene: &str, environment: EnvironmentLook) -> Result<Stage, StudioError> {
+    let mut project = Project::open(scene, Look::default(), &Given::default())?;
+    if environment.rig.is_none() {
+        project.look.set_environment(environment_named("room"));
+    }
+    project.look.environment = environment;
+    Stage::new(project)
+}
+
+/// Mean radiance of the whole picture.
+fn traced(stage: &Stage) -> Vec3 {
+    let options =
+        ReferenceOptions { width: 4, height: 3, samples_per_pixel: 1024, ..ReferenceOptions::default() };
+    let (scene, camera) = stage.for_reference().unwrap();
+    let mean = render(&scene, &camera, stage.surroundings().sky(), &options).unwrap().mean;
+    mean.texels().iter().sum::<Vec3>() / 12.0
+}
+
+fn rigged(rig: String) -> EnvironmentLook {
+    EnvironmentLook { rig: Some(rig), ..EnvironmentLook::default() }
+}
+
+/// White under irradiance E shows E / pi: 1 of the light and 0.25 of the rest.
+#[test]
+fn the_reference_shows_a_floor_under_a_rig_as_closed_forms_have_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let floor = floor(folder.path());
+    let shown = |change: fn(&mut LightDocument)| {
+        traced(&stage(&floor, rigged(write_rig(folder.path(), change))).unwrap())
+    };
+    let near = |shown: Vec3, expected: Vec3| {
+        assert!((shown / expected - 1.0).abs().max_element() < 0.01, "{shown} is not {expected}");
+    };
+    near(shown(|_| {}), Vec3::splat(1.25));
+    near(shown(|rig| rig.lights[0].enabled = false), Vec3::splat(0.25));
+    near(shown(|rig| rig.lights[0].radiance[1] *= 2.0), Vec3::new(1.25, 2.25, 1.25));
+    near(shown(|rig| rig.lights[0].direction = [3.0, 4.0, 0.0]), Vec3::splat(0.8 + 0.25));
+    near(shown(|rig| rig.lights.push(rig.lights[0].clone())), Vec3::splat(2.25));
+    let graded = |strength: f32, tint: [f32; 3]| {
+        let rig = write_rig(folder.path(), |_| {});
+        traced(&stage(&floor, EnvironmentLook { strength, tint, ..rigged(rig) }).unwrap())
+    };
+    near(graded(2.0, [1.0, 0.5, 2.0]), Vec3::new(2.5, 1.25, 5.0));
+}
+
+#[test]
+fn a_rig_that_cannot_be_is_one_clear_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |change: fn(&mut LightDocument)| {
+        let rig = write_rig(folder.path(), change);
+        let error = stage("column", rigged(rig)).err().unwrap().to_string();
+        assert_eq!(error.lines().count(), 1, "{error}");
+        error
+    };
+    assert!(refused(|rig| rig.residual = None).contains("names none (residual)"));
+    assert!(refused(|rig| rig.residual = Some("none.exr".to_owned())).contains("none.exr"));
+    assert!(
+        refused(|rig| rig.lights[0].radiance[0] = -1.0)
+            .contains("light 0 of the document has an invalid radiance")
+    );
+    std::fs::write(folder.path().join("bad.json"), "{\"lights\": [], \"moon\": 1}").unwrap();
+    let bad = folder.path().join("bad.json").to_string_lossy().into_owned();
+    let error = stage("column", rigged(bad)).err().unwrap().to_string();
+    assert!(error.contains("is no light rig") && error.contains("moon"), "{error}");
+    assert!(stage("column", rigged("none.json".to_owned())).is_err());
+}
+
+/// The strength does not vanish in the exposure, and another background lights nothing.
+#[test]
+fn strength_and_background_change_what_they_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = stage("column", EnvironmentLook::default()).unwrap();
+    let graded = EnvironmentLook { strength: 3.0, tint: [1.0, 0.5, 0.0], ..EnvironmentLook::default() };
+    let strong = stage("column", graded).unwrap();
+    assert_eq!(strong.exposure(), plain.exposure());
+    let room = builtin::by_name("room").unwrap();
+    let texel = |stage: &Stage| stage.environment().radiance().get(7, 9);
+    assert_eq!(texel(&strong), room.radiance().get(7, 9) * Vec3::new(3.0, 1.5, 0.0));
+
+    let path = folder.path().join("green.exr");
+    gnomon_picture::write(&path, &RgbImage::filled(8, 4, Vec3::Y)).unwrap();
+    let background_map = Some(path.to_string_lossy().into_owned());
+    let behind = stage("column", EnvironmentLook { background_map, ..EnvironmentLook::default() }).unwrap();
+    let sky = behind.surroundings().sky();
+    assert_eq!(sky.background.lookup(Vec3::X), Vec3::Y);
+    assert_eq!((sky.map.radiance(), sky.lights.len()), (room.radiance(), 0));
+    assert_eq!(plain.surroundings().sky().background.radiance(), room.radiance());
+}
+
+#[test]
+fn scene_files_name_rigs_from_where_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = write_rig(folder.path(), |_| {});
+    let opened =
+        stage(&floor(folder.path()), EnvironmentLook { tint: [1.0, 0.5, 0.25], ..rigged(rig) }).unwrap();
+    std::fs::create_dir(folder.path().join("saved")).unwrap();
+    let saved = folder.path().join("saved/scene.toml");
+    opened.save_scene(&saved).unwrap();
+    let text = std::fs::read_to_string(&saved).unwrap();
+    assert!(text.contains("rig = \"../rig.json\""), "{text}");
+    let project = Project::open(&saved.to_string_lossy(), Look::default(), &Given::default()).unwrap();
+    assert!(project.look.map.is_none() && project.look.has_environment());
+    let again = Stage::new(project).unwrap();
+    assert_eq!(again.surroundings().sky().lights, opened.surroundings().sky().lights);
+    assert_eq!(again.look().environment.tint, [1.0, 0.5, 0.25]);
+    let light = &again.surroundings().sky().lights[0];
+    assert!((light.irradiance(Vec3::Y) * light.radiance.z / (0.25 * PI) - 1.0).abs() < 1e-4);
+}
