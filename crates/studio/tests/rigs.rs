@@ -11,7 +11,9 @@ use gnomon_lights::{DistantLight, LightDocument, LightSet};
 use gnomon_options::Given;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, render};
-use gnomon_studio::{EnvironmentLook, Look, Project, Stage, StudioError, environment_named};
+use gnomon_studio::{
+    EnvironmentLook, Look, Project, Sequence, Stage, StudioError, Timeline, environment_named,
+};
 
 /// A disk of a milliradian straight above, of irradiance `pi`, and an even rest of radiance 0.25.
 fn write_rig(folder: &Path, change: impl FnOnce(&mut LightDocument)) -> String {
@@ -145,4 +147,17 @@ fn scene_files_name_rigs_from_where_they_are() {
     assert_eq!(again.look().environment.tint, [1.0, 0.5, 0.25]);
     let light = &again.surroundings().sky().lights[0];
     assert!((light.irradiance(Vec3::Y) * light.radiance.z / (0.25 * PI) - 1.0).abs() < 1e-4);
+}
+
+/// Frames under a rig that has been edited since are others.
+#[test]
+fn frames_know_the_lights_of_a_rig_by_what_is_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let digest = |change: fn(&mut LightDocument)| {
+        let stage = stage("column", rigged(write_rig(folder.path(), change))).unwrap();
+        let timeline = Timeline { frames_per_second: 25.0, turntable: 0.0, environment_turn: 0.0 };
+        Sequence::new(&stage, timeline).unwrap().description(&stage, serde_json::Value::Null).1
+    };
+    assert_eq!(digest(|_| {}), digest(|_| {}));
+    assert_ne!(digest(|_| {}), digest(|rig| rig.lights[0].radiance[0] *= 2.0));
 }

@@ -116,6 +116,7 @@ impl Sequence {
         let mut digest = Digest::default();
         let mut look = self.look.clone();
         look.map = None;
+        (look.environment.rig, look.environment.background_map) = (None, None);
         let words = |look: &Look| {
             json!({
                 "program": concat!("gnomon ", env!("CARGO_PKG_VERSION")),
@@ -127,7 +128,10 @@ impl Sequence {
         };
         digest.add(words(&look).to_string().as_bytes());
         digest.add_scene(stage.scene());
-        digest.add_picture(stage.environment().radiance());
+        let sky = stage.surroundings().sky();
+        digest.add_picture(sky.map.radiance());
+        digest.add_picture(sky.background.radiance());
+        digest.add(format!("{:?}", sky.lights).as_bytes());
         let mut words = words(&self.look);
         words["scene"] = stage.source().to_string().into();
         (words, digest.to_string())
