@@ -82,7 +82,7 @@ fn an_edited_rig_is_drawn_as_it_is_traced() {
     let mut rig: serde_json::Value = serde_json::from_str(&read).unwrap();
     rig["lights"][0]["enabled"] = false.into();
     rig["lights"][1]["direction"] = serde_json::json!([-1, 1, 1]);
-    rig["lights"][1]["radiance"] = serde_json::json!([9, 3, 1]);
+    rig["lights"][1]["radiance"] = serde_json::json!([900, 300, 100]);
     std::fs::write(folder.path().join("edited.json"), rig.to_string()).unwrap();
     let camera = "eye=3,2,4; target=0,0.4,0; fx=90; fy=80; cx=20; cy=28; size=64x48";
     let scene = ["three-boxes", "--size", "64x48", "--camera", camera];
