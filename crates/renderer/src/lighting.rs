@@ -28,6 +28,7 @@ pub struct PreparedLighting {
     omits_hidden: bool,
     points: Arc<[LightPoints]>,
     map: Arc<Equirect>,
+    peak: f32,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
     irradiance: Irradiance,
@@ -55,6 +56,7 @@ impl PreparedLighting {
         Ok(Self {
             ambient: method,
             ambient_cells,
+            peak: map.radiance().texels().iter().fold(0.0, |peak, texel| texel.max_element().max(peak)),
             full_sh: spherical_harmonics(map),
             background: mip_levels(map),
             irradiance: Irradiance::new(map),
@@ -97,6 +99,8 @@ pub(crate) struct Lighting {
     pub omits_hidden: bool,
     /// The environment, as far as its lights' points ask for it.
     map: Arc<Equirect>,
+    /// Largest component of its radiance.
+    pub peak: f32,
     /// Where the light of each of the lights comes from, in its own frame, where they stand for the parts of the map that they cover.
     pub points: Arc<[LightPoints]>,
     pub residual_sh: [Vec4; 9],
@@ -134,6 +138,7 @@ impl Lighting {
             omits_hidden: prepared.omits_hidden,
             points: prepared.points,
             map: prepared.map,
+            peak: prepared.peak,
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
             background: upload_maps(gpu, "background", &prepared.background),
