@@ -115,7 +115,7 @@ fn what_cannot_be_drawn_rightly_is_refused_with_the_reason() {
         ("validator_data/scene/unresolved_default_scene.gltf", "refers to scene"),
         ("validator_data/asset/1_0_version.gltf", "glTF version 1.0"),
         ("validator_data/asset/invalid_version.gltf", "is no glTF version"),
-        ("validator_data/asset/empty_array.gltf", "line"),
+        ("validator_data/asset/empty_array.gltf", "asset.version is missing"),
         ("validator_data/buffer/not_found.gltf", "cannot read"),
         ("validator_data/glb/empty_file.glb", ""),
         ("validator_data/glb/chunk_too_big.glb", ""),
