@@ -57,7 +57,7 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     let buffers = Buffers::read(&root, binary, source, budget)?;
     let accessors = Accessors { root: &root, buffers: &buffers };
     let sets = materials::read(&root, &buffers, source, budget, &mut scene)?;
-    let order = nodes::order(&root)?;
+    let order = nodes::order(&root, &mut scene.warnings)?;
     scene.variants = variants(&root);
     let shown = source.options.variant.as_ref();
     let variant = shown.and_then(|name| scene.variants.iter().position(|variant| variant == name));

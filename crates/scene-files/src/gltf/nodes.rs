@@ -22,7 +22,7 @@ pub struct Place {
 
 /// The nodes of the scene to be shown, parents before children, and those that it lacks of what its skins follow. Loops and nodes with two parents are refused, in the
 /// whole file, before anything walks down.
-pub fn order(root: &Root) -> Result<Vec<Place>, Fault> {
+pub fn order(root: &Root, warnings: &mut Vec<String>) -> Result<Vec<Place>, Fault> {
     let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
     for (index, node) in root.nodes.iter().enumerate() {
         for &Int(child) in &node.children {
@@ -45,23 +45,30 @@ pub fn order(root: &Root) -> Result<Vec<Place>, Fault> {
         None => root.scenes.first(),
     };
     let Some(shown) = shown else { return Ok(everything) };
-    let mut roots = Vec::with_capacity(shown.nodes.len());
     let mut listed = vec![false; root.nodes.len()];
     for &Int(node) in &shown.nodes {
         get(&root.nodes, node, "node", "the scene")?;
-        if !std::mem::replace(&mut listed[node], true) && parents[node].is_none() {
+        listed[node] = true;
+    }
+    // Some tools list nodes that are below others: below listed ones they are there already, else they stand for themselves.
+    let mut is_reached = listed.clone();
+    for place in &everything {
+        is_reached[place.node] |= parents[place.node].is_some_and(|parent| is_reached[parent]);
+    }
+    let mut roots = Vec::with_capacity(shown.nodes.len());
+    for &Int(node) in &shown.nodes {
+        let is_below = parents[node].is_some_and(|parent| is_reached[parent]);
+        if std::mem::take(&mut listed[node]) && !is_below {
+            if let Some(parent) = parents[node] {
+                let message = format!(
+                    "the scene lists node {node}, but not its parent, node {parent}, which is left out"
+                );
+                warnings.push(message);
+            }
             roots.push(node);
         }
     }
     let mut order = descend(root, &roots);
-    // Some tools list all nodes: what is below another of them is there already.
-    order.iter().for_each(|place| listed[place.node] = false);
-    let stray = (0..parents.len()).filter(|&node| listed[node]).find_map(|node| Some((node, parents[node]?)));
-    if let Some((node, parent)) = stray {
-        return Err(Fault::Invalid(format!(
-            "the scene lists node {node}, which is a child of node {parent}"
-        )));
-    }
     add_joints(root, &parents, &mut order)?;
     Ok(order)
 }
