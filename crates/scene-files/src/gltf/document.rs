@@ -92,13 +92,10 @@ fn without_lone_surrogates(text: &str) -> Option<String> {
 fn is_at_no_number(text: &str, error: &serde_json::Error) -> bool {
     let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
     let at = lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
-    let rest = text.as_bytes().get(at..).unwrap_or_default();
-    let rest = rest.strip_prefix(b"-").unwrap_or(rest).to_ascii_lowercase();
-    // After "-" the column may be that of the letter.
-    rest.starts_with(b"nan")
-        || rest.starts_with(b"inf")
-        || rest.starts_with(b"an,")
-        || rest.starts_with(b"nf")
+    // The column is that of its first letter, or of the first that no word of JSON has.
+    let near = text.as_bytes().get(at.saturating_sub(2)..).unwrap_or_default();
+    let near = near[..near.len().min(6)].to_ascii_lowercase();
+    near.windows(3).any(|word| word == b"nan" || word == b"inf")
 }
 
 fn check_version(document: &Value) -> Result<(), Fault> {
