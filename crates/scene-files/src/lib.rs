@@ -80,13 +80,15 @@ pub struct LoadOptions {
     /// Bytes that files, geometry and textures of one scene may take together; beyond it loading ends in
     /// [`SceneFileError::TooLarge`].
     pub memory_limit: usize,
-    /// Width over height of the picture to be made, for glTF cameras that give a vertical field of view only.
+    /// Width over height of the picture to be made, for glTF cameras: what they show is all in it.
     pub aspect: f32,
+    /// The material variant to be shown of glTF files that have it, by its name; it goes before what a scene file says.
+    pub variant: Option<String>,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { memory_limit: 1 << 30, aspect: 4.0 / 3.0 }
+        Self { memory_limit: 1 << 30, aspect: 4.0 / 3.0, variant: None }
     }
 }
 
@@ -121,6 +123,8 @@ pub struct LoadedScene {
     pub environment: Option<EnvironmentSettings>,
     /// The ground that the file asks for, or else its format's default: pass it to [`Scene::add_ground`].
     pub ground: Ground,
+    /// The material variant that is shown, by its name: the one that was asked for, or else the scene file's.
+    pub variant: Option<String>,
 }
 
 /// Reads a scene file. The format is told by the file name's extension; where the content starts like another format,
@@ -198,9 +202,28 @@ fn read(source: &Source, budget: &mut Budget, scene_files: bool) -> Result<Loade
             .warnings
             .push(format!("the file is named like {} but holds {}", named.name, format.name));
     }
+    loaded.variant = source.options.variant.clone().or(loaded.variant);
+    if let Some(variant) = loaded.variant.as_ref().filter(|_| scene_files) {
+        check_variant(variant, &loaded.scene).map_err(|fault| fault.at(path))?;
+    }
     tidy(&mut loaded.scene.warnings);
     loaded.scene.check_extent().map_err(|message| Fault::Invalid(message).at(path))?;
     Ok(loaded)
+}
+
+/// Refuses a variant that no model of a scene has.
+fn check_variant(variant: &str, scene: &Scene) -> Result<(), Fault> {
+    let known = &scene.variants;
+    if known.iter().any(|name| name == variant) {
+        return Ok(());
+    }
+    let known = if known.is_empty() {
+        "there are none".to_owned()
+    } else {
+        format!("there are: {}", known.join(", "))
+    };
+    let variant = gnomon_messages::quoted(variant);
+    Err(Fault::Unsupported(format!("it has no material variant '{variant}' ({known})")))
 }
 
 /// Each warning once, and no more of them than anybody reads.
@@ -236,7 +259,7 @@ impl Source<'_> {
 
     /// A scene without environment on the format's default ground.
     fn loaded(scene: Scene, ground: Ground) -> LoadedScene {
-        LoadedScene { scene, environment: None, ground }
+        LoadedScene { scene, environment: None, ground, variant: None }
     }
 }
 
@@ -249,6 +272,11 @@ struct Budget {
 impl Budget {
     fn new(limit: usize) -> Self {
         Self { left: limit, limit }
+    }
+
+    /// Gives back what was claimed and is needed no more.
+    fn give_back(&mut self, count: usize, bytes_each: usize) {
+        self.left = self.left.saturating_add(count.saturating_mul(bytes_each)).min(self.limit);
     }
 
     /// Claims `count` items of `bytes_each`.

@@ -26,8 +26,10 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     // The parsed document takes several times the size of its text.
     budget.take(text.len(), 16)?;
     let file: SceneFile = parse(text)?;
-    let reader = Reader { text, source };
-    reader.scene(&file, budget)
+    let variant = source.options.variant.clone().or_else(|| file.variant.clone());
+    let options = LoadOptions { variant, ..source.options.clone() };
+    let source = &Source { options: &options, ..*source };
+    Reader { text, source }.scene(&file, budget)
 }
 
 /// Those tables of a scene file that say how it is drawn, which [`super::load`] leaves alone: `T` has a field for each, with a default,
@@ -63,6 +65,7 @@ fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
 #[serde(deny_unknown_fields)]
 struct SceneFile {
     ground: Option<Ground>,
+    variant: Option<String>,
     camera: Option<Camera>,
     environment: Option<Spanned<EnvironmentEntry>>,
     #[serde(default)]
@@ -192,7 +195,9 @@ impl Reader<'_> {
             light.get_ref().add_to(&mut scene).map_err(|message| self.at(light, message))?;
         }
         let environment = file.environment.as_ref().map(|entry| self.environment(entry)).transpose()?;
-        Ok(LoadedScene { scene, environment, ground: file.ground.unwrap_or(Ground::None) })
+        let ground = file.ground.unwrap_or(Ground::None);
+        let variant = self.source.options.variant.clone();
+        Ok(LoadedScene { scene, environment, ground, variant })
     }
 
     fn place(

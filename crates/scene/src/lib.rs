@@ -33,5 +33,5 @@ pub use pose::{Influences, Instance, MorphTarget, Pose, Skin, WorldVertices};
 pub use reflectance::{ReflectanceSettings, excess};
 pub use scene::{Bounds, CameraMount, MaterialId, Mesh, MeshId, Node, NodeId, Scene, SkinId};
 pub use simplify::SimplerTriangles;
-pub use surface_point::{SurfacePoint, normal_matrix, perturb_normal};
+pub use surface_point::{SurfacePoint, mirror_sign, normal_matrix, perturb_normal};
 pub use triangle::{LARGEST_COORDINATE, triangle_normal};

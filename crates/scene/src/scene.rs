@@ -101,6 +101,8 @@ pub struct Scene {
     /// The node of the ground that [`Scene::add_ground`] or a built-in scene put under the models: it is drawn like any
     /// other, but does not count in framing.
     pub ground: Option<NodeId>,
+    /// Names of the material variants that its files have, one of which may be shown.
+    pub variants: Vec<String>,
     /// What the loader repaired or ignored, one line each, for the user to read.
     pub warnings: Vec<String>,
 }
@@ -222,6 +224,11 @@ impl Scene {
             camera.world_from_camera.w_axis = eye.extend(1.0);
             camera
         }));
+        for variant in other.variants {
+            if !self.variants.contains(&variant) {
+                self.variants.push(variant);
+            }
+        }
         self.warnings.extend(other.warnings.into_iter().map(|warning| match root.name.as_str() {
             "" => warning,
             name => format!("{name}: {warning}"),

@@ -87,6 +87,8 @@ settings! {
     pub struct SceneLook in SCENE {
         /// What lies under the models: under their lowest point, over the whole of the clip that plays.
         ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ and PLY files, none for others");
+        /// Material variant of glTF models that is shown, by its name.
+        variant: Option<String> = None, text().automatic("each model's own materials", 0.0);
     }
 }
 

@@ -111,7 +111,7 @@ impl Project {
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
         let Sections { fit, render, display, animation, environment, surface } = sections.unwrap_or_default();
-        look.animation = AnimationLook::default();
+        (look.scene, look.animation) = Default::default();
         [&fit, &render, &display, &animation, given].into_iter().for_each(|given| given.apply(&mut look));
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
@@ -122,16 +122,8 @@ impl Project {
                 None => look.reflectance = Some(reflectance),
             }
         }
-        let options = LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() };
-        let LoadedScene { scene, environment: own, ground } = match &source {
-            SceneSource::Builtin(name) => {
-                let scene = builtin::by_name(name)?;
-                LoadedScene { scene, environment: None, ground: Ground::None }
-            }
-            SceneSource::File(path) => load(path, &options)?,
-            SceneSource::Files(files) => load_from(files.path(), files.resolver(), &options)?,
-        };
-        look.scene = SceneLook { ground };
+        let LoadedScene { scene, environment: own, ground, variant } = loaded(&source, &look)?;
+        look.scene = SceneLook { ground, variant };
         let brings_environment = own.is_some();
         if let Some(own) = own {
             look.set_environment(own.source);
@@ -141,6 +133,29 @@ impl Project {
         [&environment, &display, given].into_iter().for_each(|given| given.apply(&mut look));
         Ok(Self { source, scene, look, brings_environment })
     }
+}
+
+/// Loads a scene as a look has it.
+///
+/// # Errors
+/// Names of nothing, files that cannot be used, a variant that they do not have.
+pub(crate) fn loaded(source: &SceneSource, look: &Look) -> Result<LoadedScene, StudioError> {
+    let variant = look.scene.variant.clone();
+    let options = LoadOptions { aspect: look.picture.aspect(), variant, ..LoadOptions::default() };
+    Ok(match source {
+        SceneSource::Builtin(name) => {
+            if let Some(variant) = &options.variant {
+                let variant = gnomon_messages::quoted(variant);
+                return Err(StudioError::Request(format!(
+                    "the built-in scene {name} has no material variant '{variant}'"
+                )));
+            }
+            let scene = builtin::by_name(name)?;
+            LoadedScene { scene, environment: None, ground: Ground::None, variant: None }
+        }
+        SceneSource::File(path) => load(path, &options)?,
+        SceneSource::Files(files) => load_from(files.path(), files.resolver(), &options)?,
+    })
 }
 
 fn no_scene(path: &Path) -> StudioError {

@@ -10,7 +10,7 @@ use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 use crate::environment::{FitScene, environment_of};
 use crate::look::{AnimationLook, CameraLook};
 use crate::pose::{pose, reach};
-use crate::{Look, Project, SceneSource, StudioError};
+use crate::{Look, Project, SceneSource, StudioError, project};
 
 /// A scene in the pose and with the materials that its look asks for, under an environment.
 #[derive(Clone)]
@@ -280,7 +280,13 @@ impl Stage {
     pub(crate) fn with_look(&self, look: Look) -> Result<(Self, LookChange), StudioError> {
         look.check()?;
         let change = LookChange::between(&self.look, &look);
-        let loaded = &self.loaded;
+        // Which materials its meshes have, and so what of a file is read, is the variant's business.
+        let loaded = &match self.look.scene.variant == look.scene.variant {
+            true => Arc::clone(&self.loaded),
+            false => {
+                Arc::new(Loaded::new(project::loaded(&self.source, &look)?.scene, look.picture.aspect()))
+            }
+        };
         let reach = match change.reaches_elsewhere {
             true => loaded.reach(&look.animation)?,
             false => self.reach,
@@ -300,10 +306,11 @@ impl Stage {
             pose(&mut scene, &look.animation)?;
             (Arc::new(scene), stands_on_ground)
         };
-        let mut stage = Self { look, scene, reach, stands_on_ground, ..self.clone() };
+        let loaded = Arc::clone(loaded);
+        let mut stage = Self { look, scene, loaded, reach, stands_on_ground, ..self.clone() };
         stage.camera()?;
         if change.dressed {
-            stage.warnings.extend(loaded.new_warnings(&stage.source, &stage.scene));
+            stage.warnings.extend(stage.loaded.new_warnings(&stage.source, &stage.scene));
         }
         Ok((stage, change))
     }
