@@ -8,7 +8,7 @@ use gnomon_options::Given;
 use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
-    ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
+    Axes, ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
 };
 use serde::{Deserialize, Deserializer};
 
@@ -33,6 +33,21 @@ impl SceneSource {
             true => Self::Builtin(name.to_owned()),
             false => Self::File(PathBuf::from(name)),
         }
+    }
+}
+
+impl SceneSource {
+    /// Reads the scene, for pictures of this width over height, files that do not say with these axes.
+    pub(crate) fn load(&self, aspect: f32, axes: Axes) -> Result<LoadedScene, StudioError> {
+        let options = LoadOptions { aspect, axes, ..LoadOptions::default() };
+        Ok(match self {
+            Self::Builtin(name) => {
+                let scene = builtin::by_name(name)?;
+                LoadedScene { scene, environment: None, ground: Ground::None, axes }
+            }
+            Self::File(path) => load(path, &options)?,
+            Self::Files(files) => load_from(files.path(), files.resolver(), &options)?,
+        })
     }
 }
 
@@ -122,16 +137,16 @@ impl Project {
                 None => look.reflectance = Some(reflectance),
             }
         }
-        let options = LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() };
-        let LoadedScene { scene, environment: own, ground } = match &source {
-            SceneSource::Builtin(name) => {
-                let scene = builtin::by_name(name)?;
-                LoadedScene { scene, environment: None, ground: Ground::None }
-            }
-            SceneSource::File(path) => load(path, &options)?,
-            SceneSource::Files(files) => load_from(files.path(), files.resolver(), &options)?,
-        };
-        look.scene = SceneLook { ground };
+        look.scene = SceneLook::default();
+        given.apply(&mut look.scene);
+        let asked = look.scene.axes();
+        let axes =
+            Axes { up: asked.up.filter(|_| given.has("up")), unit: asked.unit.filter(|_| given.has("unit")) };
+        let LoadedScene { scene, environment: own, ground, axes } =
+            source.load(look.picture.aspect(), axes)?;
+        look.scene.ground = ground;
+        look.scene.up = axes.up.unwrap_or(look.scene.up);
+        look.scene.unit = axes.unit.unwrap_or(look.scene.unit);
         let brings_environment = own.is_some();
         if let Some(own) = own {
             look.set_environment(own.source);

@@ -52,8 +52,8 @@ struct SurfaceTable<'a> {
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
-const REPLACED: [&str; 8] =
-    ["ground", "camera", "environment", "fit", "render", "display", "animation", "surface"];
+const REPLACED: [&str; 10] =
+    ["ground", "up", "unit", "camera", "environment", "fit", "render", "display", "animation", "surface"];
 
 impl Stage {
     /// Writes a scene file of which `gnomon render` makes the same picture. Models and maps stay where they are: the file names them, by

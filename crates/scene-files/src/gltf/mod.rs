@@ -6,6 +6,7 @@
 //! - The default scene, else the first, else all root nodes. A file with meshes
 //!   but no nodes shows each mesh once; one whose nodes place no mesh is empty.
 //! - Nodes keep their hierarchy; meshes used by several nodes are shared.
+//! - A scene far from its origin is moved ([`Scene::origin`]).
 //! - Skins with any number of joints and of sets of weights, morph targets (sparse ones too), animations of nodes and
 //!   weights; a damaged animation is left out with a warning.
 //! - A picture file that is missing is left out with a warning, a missing buffer is an error.
@@ -19,6 +20,7 @@ mod buffers;
 mod materials;
 mod meshes;
 mod nodes;
+mod origin;
 mod schema;
 mod skins;
 
@@ -75,7 +77,8 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
             scene.nodes.push(Node { name, meshes: ids, weights, ..Node::default() });
         }
     }
-    Ok(Source::loaded(scene, Ground::None))
+    origin::recenter(&root, &order, &places.cameras, &mut scene);
+    Ok(source.loaded(scene, Ground::None))
 }
 
 fn check_version(root: &Root) -> Result<(), Fault> {
