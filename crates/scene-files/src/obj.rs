@@ -250,7 +250,7 @@ impl Reader {
         for names in &self.libraries {
             library.read(names, source, budget, &mut scene)?;
         }
-        scene.warnings.extend(self.left_out.warnings());
+        scene.warnings.extend(self.left_out.warnings().chain(self.cutter.warning()));
         if self.groups.is_empty() {
             scene.warnings.push("the file has no faces: nothing will be seen of it".to_owned());
         }

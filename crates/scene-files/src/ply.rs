@@ -58,6 +58,12 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     }
     let mut scene = Scene { warnings: std::mem::take(&mut faces.warnings), ..Scene::default() };
     scene.warnings.extend(header.warnings);
+    if vertices.surplus > 0 {
+        let count = vertices.surplus;
+        scene
+            .warnings
+            .push(format!("{count} vertices hold more numbers than the header tells of: these are left out"));
+    }
     if faces.triangles.is_empty() {
         scene.warnings.push("the file has no faces: nothing will be seen of it".to_owned());
     }
@@ -182,6 +188,8 @@ struct Vertices {
     uvs: Vec<Vec2>,
     /// Linear.
     colors: Vec<Vec4>,
+    /// Rows that held more numbers than the header tells of.
+    surplus: u64,
 }
 
 impl Vertices {
@@ -217,7 +225,7 @@ impl Vertices {
                     Role::Color(channel) => color[channel] = linear_color(value, property.scalar, channel),
                 }
             }
-            values.end_row();
+            self.surplus += u64::from(values.end_row());
             self.positions.push(position);
             if with_normals {
                 self.normals.push(normal);

@@ -9,23 +9,35 @@ pub struct Cutter {
     flat: Vec<DVec2>,
     indices: Vec<u32>,
     triangles: Vec<[u32; 3]>,
+    too_large: usize,
 }
+
+/// Corners of a polygon whose ears are cut: the time for an outline of many spikes grows with the square of their number, to a second here.
+const MOST_CORNERS: usize = 1 << 15;
 
 impl Default for Cutter {
     fn default() -> Self {
-        Self { earcut: Earcut::new(), flat: Vec::new(), indices: Vec::new(), triangles: Vec::new() }
+        Self {
+            earcut: Earcut::new(),
+            flat: Vec::new(),
+            indices: Vec::new(),
+            triangles: Vec::new(),
+            too_large: 0,
+        }
     }
 }
 
 impl Cutter {
     /// Triangles over the polygon's corners, by their numbers, which turn as it does: a fan where that fills its outline, as with convex ones,
-    /// and else its ears, cut on the plane that fits it best. Every polygon of at least three corners has some: one without area, or with
+    /// and else its ears, cut on the plane that fits it best; but one of too many corners becomes a fan ([`Cutter::warning`]). Every polygon of at least three corners has some: one without area, or with
     /// corners that are not finite, becomes a fan. Fewer corners have none.
     pub fn cut(&mut self, corners: &[DVec3]) -> &[[u32; 3]] {
         self.triangles.clear();
         let count = corners.len() as u32;
         let is_fan = corners.len() < 4 || !self.flatten(corners) || fills_outline(&self.flat);
-        if !is_fan {
+        if !is_fan && corners.len() > MOST_CORNERS {
+            self.too_large += 1;
+        } else if !is_fan {
             self.earcut.earcut(self.flat.iter().map(|corner| corner.to_array()), &[], &mut self.indices);
             let (ears, _) = self.indices.as_chunks::<3>();
             self.triangles.extend(ears.iter().map(|&[a, b, c]| {
@@ -37,6 +49,14 @@ impl Cutter {
             self.triangles.extend((2..count).map(|last| [0, last - 1, last]));
         }
         &self.triangles
+    }
+
+    /// What is to be said of polygons that became fans for their size alone.
+    pub fn warning(&self) -> Option<String> {
+        let (count, most) = (self.too_large, MOST_CORNERS);
+        (count > 0).then(|| {
+            format!("{count} polygons of more than {most} corners may be filled beyond their outlines")
+        })
     }
 
     /// Projects the corners onto the polygon's plane, where it turns counter-clockwise; false where it has none.
@@ -142,6 +162,12 @@ mod tests {
             assert_eq!(Cutter::default().cut(corners), [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
         }
         assert!(Cutter::default().cut(&nothing[..2]).is_empty());
+        let spikes: Vec<DVec3> = (0..=MOST_CORNERS)
+            .map(|i| DVec2::from_angle(i as f64 * 1e-4) * if i % 2 == 0 { 1.0 } else { 1.1 })
+            .map(|corner| corner.extend(0.0))
+            .collect();
+        let mut cutter = Cutter::default();
+        assert!(cutter.cut(&spikes).len() == MOST_CORNERS - 1 && cutter.warning().is_some());
     }
 
     proptest! {

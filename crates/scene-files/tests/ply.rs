@@ -56,6 +56,8 @@ fn headers_and_rows_may_hold_more_than_they_should() {
     let scene = ply(&text);
     assert_eq!(scene.meshes, expected.meshes);
     assert!(warns(&scene, "2 faces hold more numbers"));
+    let scene = ply(&plain.replace("1 0 0 ", "1 0 0 7 8"));
+    assert_eq!((&scene.meshes, scene.warnings.len()), (&expected.meshes, 1), "{:?}", scene.warnings);
     // A file whose rows share lines has no rows to be longer.
     let (header, body) = plain.split_once("end_header\n").unwrap();
     assert_eq!(ply(&format!("{header}end_header\n{}", body.replace('\n', " "))), expected);

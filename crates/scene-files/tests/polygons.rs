@@ -53,7 +53,8 @@ fn ply(mesh: &Polygons, encoding: Encoding) -> Vec<u8> {
         Encoding::Big => bytes.extend(little.iter().rev()),
     };
     for (position, color) in mesh.positions.iter().zip(&mesh.colors) {
-        position.iter().for_each(|x| word(format!("{x:?}"), &x.to_le_bytes()));
+        // Text is read in double precision: it says exactly what the bytes say.
+        position.iter().for_each(|x| word(format!("{:?}", f64::from(*x)), &x.to_le_bytes()));
         word("2".to_owned(), &[2]);
         word("-7".to_owned(), &(-7_i16).to_le_bytes());
         word("7".to_owned(), &7_i16.to_le_bytes());

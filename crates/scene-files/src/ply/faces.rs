@@ -103,6 +103,7 @@ impl Faces {
         if skipped > 0 {
             self.warnings.push(format!("left out {skipped} faces of fewer than three corners"));
         }
+        self.warnings.extend(self.cutter.warning());
         linear_colors(element, &mut self.colors);
         if surplus > 0 {
             // MeshLab writes colours of corners that the header does not tell of: no column behind them is what the header says.

@@ -1,8 +1,11 @@
 //! The header of a PLY file: what follows, in which order and encoding.
 
+use std::borrow::Cow;
+
 use gnomon_messages::quoted;
 
 use crate::error::Fault;
+use crate::text;
 
 /// How the numbers after the header are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,7 +167,7 @@ pub fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
             ["end_header"] => break,
             ["format" | "element" | "property" | "end_header", ..] => return Err(bad()),
             // Programs forget the word 'comment'.
-            _ => warnings.push(format!("header line {} is left out: '{}'", lines.number, quoted(line))),
+            _ => warnings.push(format!("header line {} is left out: '{}'", lines.number, quoted(&line))),
         }
     }
     let encoding = encoding.ok_or_else(|| Fault::invalid("the header has no format line"))?;
@@ -180,7 +183,7 @@ struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    fn next(&mut self) -> Result<&'a str, Fault> {
+    fn next(&mut self) -> Result<Cow<'a, str>, Fault> {
         self.number += 1;
         let end = self.rest.iter().position(|&b| b == b'\n' || b == b'\r');
         let end = end.ok_or_else(|| Fault::invalid("the header does not end"))?;
@@ -190,7 +193,6 @@ impl<'a> Lines<'a> {
             self.ended_by_cr = rest.starts_with(b"\r") && !is_pair;
         }
         self.rest = if is_pair && !self.ended_by_cr { &rest[2..] } else { &rest[1..] };
-        // Comments may be in any encoding; nothing else has a reason to.
-        Ok(std::str::from_utf8(line).unwrap_or("comment"))
+        Ok(text::decode(line))
     }
 }
