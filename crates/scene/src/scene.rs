@@ -201,10 +201,11 @@ impl Scene {
     pub fn append(&mut self, other: Self, root: Node) {
         let translation = Vec3::from(root.parent_from_node.translation).as_dvec3();
         self.append_at(other, root, translation);
+        self.move_origin(self.origin, &[]);
     }
 
     /// The same with the translation of `root` in double precision, from file coordinates to file coordinates, where one of the scenes was
-    /// moved from there.
+    /// moved from there. Cameras of `other` keep an origin of their own, and so their digits, until [`Scene::move_origin`].
     pub fn append_at(&mut self, other: Self, mut root: Node, translation: DVec3) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
         let (textures, first) = (self.textures.len(), self.nodes.len() + 1);
@@ -229,14 +230,13 @@ impl Scene {
         }));
         let (_, rotation, _) = root.parent_from_node.to_scale_rotation_translation();
         let linear = Mat3::from(root.parent_from_node.matrix3);
-        let origin = self.origin;
         self.cameras.extend(other.cameras.into_iter().map(|mut camera| {
             let eye = linear * camera.eye();
             let turned = glam::Mat4::from_quat(rotation) * camera.world_from_camera;
             camera.world_from_camera = turned;
             camera.world_from_camera.w_axis = eye.extend(1.0);
             camera.origin = linear.as_dmat3() * camera.origin + translation;
-            camera.relative_to(origin)
+            camera
         }));
         self.warnings.extend(other.warnings.into_iter().map(|warning| match root.name.as_str() {
             "" => warning,
