@@ -25,6 +25,10 @@ impl OptionSpec {
             Kind::Choice(_) => format!("one of: {}", self.choice_names()),
             Kind::Size => "WIDTHxHEIGHT in pixels, as in 640x480".to_owned(),
         };
+        if !self.words.is_empty() {
+            allowed += ", or ";
+            allowed += &self.words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
+        }
         if self.automatic.is_some() {
             allowed += ", or automatic";
         }

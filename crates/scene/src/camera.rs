@@ -1,4 +1,4 @@
-use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, Mat3, Mat3A, Mat4, Vec3, Vec3A};
 use gnomon_messages::quoted;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +29,9 @@ pub struct Camera {
     pub name: String,
     /// Rigid transform from camera space to world space.
     pub world_from_camera: Mat4,
+    /// Where the origin of that world space lies in file coordinates [m]: that of the scene which it sees ([`crate::Scene::origin`]), or of its own
+    /// where it was written for any.
+    pub origin: DVec3,
     /// Lens.
     pub projection: Projection,
 }
@@ -45,7 +48,20 @@ impl Camera {
             back.extend(0.0),
             eye.extend(1.0),
         );
-        Self { name: String::new(), world_from_camera, projection: Projection::Perspective { fov_x } }
+        let projection = Projection::Perspective { fov_x };
+        Self { name: String::new(), world_from_camera, origin: DVec3::ZERO, projection }
+    }
+
+    /// The same view in the world space of a scene with this origin.
+    #[must_use]
+    pub fn relative_to(&self, origin: DVec3) -> Self {
+        let mut camera = self.clone();
+        if self.origin != origin {
+            let eye = self.eye().as_dvec3() + (self.origin - origin);
+            camera.world_from_camera.w_axis = eye.as_vec3().extend(1.0);
+            camera.origin = origin;
+        }
+        camera
     }
 
     /// Position in world space [m].
@@ -66,13 +82,13 @@ impl std::str::FromStr for Camera {
             ))
         };
         let number = |text: &str| {
-            text.trim().parse::<f32>().map_err(|_| bad(&format!("'{}' is no number", quoted(text))))
+            text.trim().parse::<f64>().map_err(|_| bad(&format!("'{}' is no number", quoted(text))))
         };
         let (mut eye, mut target, mut fov) = (None, None, None);
         for part in text.split(';').filter(|part| !part.trim().is_empty()) {
             let (key, value) = part.split_once('=').ok_or_else(|| bad("a part has no '='"))?;
-            let numbers = value.split(',').map(number).collect::<Result<Vec<f32>, _>>()?;
-            let place = |slot: &mut Option<[f32; 3]>| -> Result<(), SceneError> {
+            let numbers = value.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
+            let place = |slot: &mut Option<[f64; 3]>| -> Result<(), SceneError> {
                 let value = numbers.as_slice().try_into().map_err(|_| bad("a point has three numbers"))?;
                 if slot.replace(value).is_some() { Err(bad("a part is given twice")) } else { Ok(()) }
             };
@@ -80,7 +96,7 @@ impl std::str::FromStr for Camera {
                 "eye" => place(&mut eye)?,
                 "target" => place(&mut target)?,
                 "fov" => match numbers.as_slice() {
-                    [value] if fov.is_none() => fov = Some(*value),
+                    [value] if fov.is_none() => fov = Some(*value as f32),
                     _ => return Err(bad("fov is one number")),
                 },
                 key => return Err(bad(&format!("'{}' is unknown", quoted(key)))),
@@ -103,15 +119,15 @@ impl std::str::FromStr for Camera {
 #[serde(deny_unknown_fields)]
 struct CameraSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub eye: Option<[f32; 3]>,
+    pub eye: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<[f32; 3]>,
+    pub target: Option<[f64; 3]>,
     /// Horizontal [degrees].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov: Option<f32>,
     /// `world_from_camera`: right, up and back as columns, and the eye.
     #[serde(skip_serializing_if = "Option::is_none")]
-    matrix: Option<[[f32; 3]; 4]>,
+    matrix: Option<[[f64; 3]; 4]>,
     /// Horizontal [rad].
     #[serde(skip_serializing_if = "Option::is_none")]
     fov_radians: Option<f32>,
@@ -126,9 +142,9 @@ const RIGID: f32 = 1e-3;
 impl CameraSettings {
     /// The camera, or what is wrong with it.
     pub fn camera(&self) -> Result<Camera, String> {
-        let world_from_camera = match (self.eye, self.target, self.matrix) {
-            (Some(eye), Some(target), None) => looking(eye, target)?,
-            (None, None, Some(matrix)) => rigid_columns(matrix)?,
+        let camera = match (self.eye, self.target, self.matrix) {
+            (Some(eye), Some(target), None) => looking(eye.into(), target.into())?,
+            (None, None, Some(matrix)) => with_columns(matrix.map(DVec3::from_array))?,
             (_, _, Some(_)) => return Err("a camera has either 'matrix' or 'eye' and 'target'".to_owned()),
             (None, ..) => return Err("missing field `eye`".to_owned()),
             (_, None, _) => return Err("missing field `target`".to_owned()),
@@ -155,28 +171,38 @@ impl CameraSettings {
             (None, None, None) => return Err("missing field `fov`".to_owned()),
             _ => return Err("a camera has one of 'fov', 'fov_radians' and 'half_width'".to_owned()),
         };
-        Ok(Camera { name: String::new(), world_from_camera, projection })
+        Ok(Camera { projection, ..camera })
     }
+}
+
+/// Beyond this distance [m] single precision keeps less than half a millimetre of an eye's place: it then has an origin of its own.
+const FAR_EYE: f64 = 4096.0;
+
+/// The origin for a camera at this place.
+fn origin_of(eye: DVec3) -> DVec3 {
+    if eye.abs().max_element() > FAR_EYE { eye.round() } else { DVec3::ZERO }
 }
 
 /// Whether squares of its coordinates stay finite; false for NaN, which a maximum would skip.
-fn is_near(place: Vec3) -> bool {
-    place.to_array().into_iter().all(|coordinate| coordinate.abs() <= LARGEST)
+fn is_near(place: DVec3) -> bool {
+    place.to_array().into_iter().all(|coordinate| coordinate.abs() <= f64::from(LARGEST))
 }
 
-fn looking(eye: [f32; 3], target: [f32; 3]) -> Result<Mat4, String> {
-    let (eye, target) = (Vec3::from_array(eye), Vec3::from_array(target));
+fn looking(eye: DVec3, target: DVec3) -> Result<Camera, String> {
     if !(is_near(eye) && is_near(target)) {
         return Err(format!("eye and target must be finite, and within {LARGEST:.0e} m of the origin"));
     }
+    let origin = origin_of(eye);
+    let (eye, target) = ((eye - origin).as_vec3(), (target - origin).as_vec3());
     if (eye - target).try_normalize().is_none() {
         return Err("eye and target are the same point".to_owned());
     }
-    Ok(Camera::look_at(eye, target, 1.0).world_from_camera)
+    Ok(Camera { origin, ..Camera::look_at(eye, target, 1.0) })
 }
 
-fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
-    let [x, y, z, eye] = columns.map(Vec3::from_array);
+fn with_columns(columns: [DVec3; 4]) -> Result<Camera, String> {
+    let eye = columns[3];
+    let [x, y, z, _] = columns.map(|column| column.as_vec3());
     let gram = [x.dot(x) - 1.0, y.dot(y) - 1.0, z.dot(z) - 1.0, x.dot(y), y.dot(z), z.dot(x)];
     if !gram.iter().all(|value| value.abs() < RIGID) || x.cross(y).dot(z) < 0.0 {
         return Err(
@@ -189,7 +215,11 @@ fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
             "the last column of matrix, the eye, must be finite, and within {LARGEST:.0e} m of the origin"
         ));
     }
-    Ok(Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0)))
+    let origin = origin_of(eye);
+    let columns = [x.extend(0.0), y.extend(0.0), z.extend(0.0), (eye - origin).as_vec3().extend(1.0)];
+    let [x, y, z, eye] = columns;
+    let world_from_camera = Mat4::from_cols(x, y, z, eye);
+    Ok(Camera { world_from_camera, origin, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0) })
 }
 
 impl TryFrom<CameraSettings> for Camera {
@@ -202,13 +232,20 @@ impl TryFrom<CameraSettings> for Camera {
 
 impl From<Camera> for CameraSettings {
     fn from(camera: Camera) -> Self {
-        let column = |index| camera.world_from_camera.col(index).truncate().to_array();
+        let column = |index| camera.world_from_camera.col(index).truncate().to_array().map(as_written);
+        let eye = DVec3::from_array(column(3)) + camera.origin;
         let (fov_radians, half_width) = match camera.projection {
             Projection::Perspective { fov_x } => (Some(fov_x), None),
             Projection::Orthographic { half_width } => (None, Some(half_width)),
         };
-        Self { matrix: Some([0, 1, 2, 3].map(column)), fov_radians, half_width, ..Self::default() }
+        let matrix = Some([column(0), column(1), column(2), eye.to_array()]);
+        Self { matrix, fov_radians, half_width, ..Self::default() }
     }
+}
+
+/// The number of fewest digits that is the same in single precision.
+fn as_written(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
 }
 
 /// The transform without scale and shear, as a camera has it: the viewing axis keeps its direction, +y is kept as near
@@ -262,6 +299,14 @@ mod tests {
             let text = toml::to_string(&camera).unwrap();
             assert_eq!(toml::from_str::<Camera>(&text).unwrap(), camera, "{text}");
         }
+        let far = "eye = [500000.125, 12.0, -4500000.875]\ntarget = [500000.0, 10.0, -4500003.25]\nfov = 40";
+        let far: Camera = toml::from_str(far).unwrap();
+        let again: Camera = toml::from_str(&toml::to_string(&far).unwrap()).unwrap();
+        assert_eq!(again, far);
+        let from_here = far.relative_to(DVec3::new(5e5, 0.0, -4.5e6));
+        assert_eq!(from_here.eye(), Vec3::new(0.125, 12.0, -0.875));
+        let towards = Vec3::new(0.125, 2.0, 2.375).normalize();
+        assert!((from_here.world_from_camera.z_axis.truncate() - towards).length() < 1e-6);
         for (text, why) in [
             ("eye = [1, 2, 3]\ntarget = [0, 0, 0]", "missing field `fov`"),
             ("target = [0, 0, 0]\nfov = 40", "missing field `eye`"),

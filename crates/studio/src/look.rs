@@ -6,13 +6,13 @@ use gnomon_brdf::Surface;
 use gnomon_envmap::Projection;
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{
-    Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, settings, size, text,
+    Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, number, settings, size, text,
 };
 use gnomon_renderer::{
     DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
 };
 use gnomon_scene::{Camera, Ground, ReflectanceSettings};
-use gnomon_scene_files::EnvironmentSource;
+use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
 use serde::{Deserialize, Serialize};
 
 use crate::StudioError;
@@ -83,12 +83,23 @@ settings! {
 }
 
 settings! {
-    /// What is added to a scene.
+    /// What is added to a scene, and how its files are meant.
     pub struct SceneLook in SCENE {
         /// What lies under the models: under their lowest point, over the whole of the clip that plays.
-        ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ and PLY files, none for others");
+        ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ, PLY and STL files, none for others");
         /// Material variant of glTF models that is shown, by its name.
         variant: Option<String> = None, text().automatic("each model's own materials", 0.0);
+        /// The axis that points up in files that do not say: OBJ, PLY and STL.
+        up: UpAxis = UpAxis::Y, choice(UpAxis::choices);
+        /// Length of the unit of files that do not say: OBJ, PLY and STL.
+        unit: f32 = 1.0, number(1e-6, 1e6).unit("m").words(&UNITS);
+    }
+}
+
+impl SceneLook {
+    /// Axes and unit, as readers of files take them.
+    pub(crate) fn axes(&self) -> Axes {
+        Axes { up: Some(self.up), unit: Some(self.unit) }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use gnomon_scene::{Bounds, Camera, Projection};
 
 /// Highest tilt up and down [rad]: straight up has no direction to the side.
@@ -21,6 +21,8 @@ pub struct Orbit {
     /// From there to the eye [m].
     distance: f32,
     projection: Projection,
+    /// Of the space of all that ([`Camera::origin`]).
+    origin: DVec3,
 }
 
 impl Orbit {
@@ -37,13 +39,15 @@ impl Orbit {
             pitch: back.y.clamp(-1.0, 1.0).asin().clamp(-MAX_PITCH, MAX_PITCH),
             distance,
             projection: camera.projection,
+            origin: camera.origin,
         }
     }
 
     /// The camera.
     pub fn camera(&self) -> Camera {
         let eye = self.target + self.distance * self.back();
-        Camera { projection: self.projection, ..Camera::look_at(eye, self.target, 1.0) }
+        let (projection, origin) = (self.projection, self.origin);
+        Camera { projection, origin, ..Camera::look_at(eye, self.target, 1.0) }
     }
 
     fn back(&self) -> Vec3 {

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{AnimatedNode, Animation, CameraMount, Channel, Interpolation, Keys, NodeId, Scene};
 
@@ -82,7 +82,7 @@ fn at_rest(entry: &NodeEntry, node: NodeId, scene: &Scene) -> AnimatedNode {
         // As written: taking a matrix apart loses what a scale of 0 hides.
         scale = Vec3::from_array(entry.scale.unwrap_or([1.0; 3]));
         rotation = Quat::from_array(entry.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0])).normalize();
-        translation = Vec3::from_array(entry.translation.unwrap_or_default());
+        translation = DVec3::from_array(entry.translation.unwrap_or_default()).as_vec3();
     }
     if !(rotation.is_finite() && scale.is_finite()) {
         (scale, rotation) = (Vec3::ONE, Quat::IDENTITY);

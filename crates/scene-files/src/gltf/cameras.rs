@@ -1,6 +1,6 @@
 //! Cameras (specification, section 3.10).
 
-use glam::Affine3A;
+use glam::{Affine3A, DVec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{Camera, Projection, rigid};
 
@@ -19,7 +19,7 @@ pub fn camera(
     let projection = projection(entry, index, options)?;
     let own = entry.name.as_deref().map(quoted).filter(|own| !own.is_empty());
     let name = own.unwrap_or_else(|| node.to_owned());
-    Ok(Some(Camera { name, world_from_camera, projection }))
+    Ok(Some(Camera { name, world_from_camera, origin: DVec3::ZERO, projection }))
 }
 
 /// What the camera shows is all in the picture, which shows more above and below, or at the sides, where its shape is another (section

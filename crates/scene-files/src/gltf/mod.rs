@@ -6,6 +6,7 @@
 //! - The default scene, else the first, else all root nodes. A file with meshes
 //!   but no nodes shows each mesh once; one whose nodes place no mesh is empty.
 //! - Nodes keep their hierarchy; meshes used by several nodes and instances are shared.
+//! - A scene far from its origin is moved ([`Scene::origin`]).
 //! - Skins with any number of joints and of sets of weights, morph targets (sparse ones too), animations of nodes and
 //!   weights; a damaged animation is left out with a warning.
 //! - A picture that is missing, remote or damaged is left out with a warning, a missing buffer is an error.
@@ -26,6 +27,7 @@ mod materials;
 mod meshes;
 mod meshopt;
 mod nodes;
+mod origin;
 mod schema;
 mod skins;
 mod specular_glossiness;
@@ -73,7 +75,8 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
             scene.nodes.push(Node { name, meshes: ids, weights, ..Node::default() });
         }
     }
-    Ok(Source::loaded(scene, Ground::None))
+    origin::recenter(&root, &order, &places.cameras, &mut scene);
+    Ok(source.loaded(scene, Ground::None))
 }
 
 /// Names of the file's material variants, in its order.

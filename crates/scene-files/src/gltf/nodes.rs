@@ -1,6 +1,6 @@
 //! Nodes (specification, section 3.5).
 
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::{Affine3A, DVec3, Mat4, Quat, Vec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{Node, NodeId, Scene};
 
@@ -199,7 +199,7 @@ fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
     let label = format!("node {index}");
     let affine = match node.matrix {
         Some(matrix) => {
-            let matrix = Mat4::from_cols_array(&matrix);
+            let matrix = Mat4::from_cols_array(&matrix.map(|entry| entry as f32));
             let bottom = matrix.row(3);
             if (bottom - glam::Vec4::W).abs().max_element() > 1e-4 {
                 return Err(Fault::Invalid(format!("the matrix of {label} is not affine")));
@@ -214,7 +214,7 @@ fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
             Affine3A::from_scale_rotation_translation(
                 Vec3::from_array(node.scale.unwrap_or([1.0; 3])),
                 rotation.normalize(),
-                Vec3::from_array(node.translation.unwrap_or_default()),
+                DVec3::from_array(node.translation.unwrap_or_default()).as_vec3(),
             )
         }
     };
