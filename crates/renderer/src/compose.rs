@@ -48,7 +48,7 @@ impl ComposePass {
         cache: &RadianceCache,
     ) -> wgpu::BindGroup {
         let maps = [
-            &lighting.background,
+            &lighting.seen,
             &lighting.irradiance_rest,
             &lighting.prefiltered_full,
             &lighting.prefiltered_residual,

@@ -275,6 +275,7 @@ impl Renderer {
             point_lists: plan.lists(),
             point_list_count: plan.samplings.len() as u32,
             sum_scales: lit.batches.sum_scales(),
+            background_scale: lit.lighting.seen_scale,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,
