@@ -9,6 +9,24 @@ pub use target::{Target, run, target, targets};
 
 #[cfg(test)]
 mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::mutation::{Random, mutated};
+
+    #[test]
+    fn two_hundred_damaged_files_of_every_kind_are_survived() {
+        for target in super::targets() {
+            let seeds = super::seeds::seeds(&target);
+            let mut random = Random::new(24);
+            for number in 0..200 {
+                let bytes = mutated(&seeds, &mut random);
+                let start = Instant::now();
+                target.run(&bytes);
+                assert!(start.elapsed() < Duration::from_secs(10), "{} {number}", target.name);
+            }
+        }
+    }
+
     #[test]
     fn every_target_is_one_of_cargo_fuzz_too() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz");

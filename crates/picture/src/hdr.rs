@@ -11,8 +11,6 @@ use crate::primaries::{Primaries, converted, from_xyz};
 const FORMAT: &str = "Radiance";
 /// Longest header that is read; real ones hold a few hundred bytes.
 const MAX_HEADER: usize = 1 << 20;
-/// Bytes that are searched for the format's name where the first line is another one.
-const SNIFFED: usize = 1024;
 /// Lengths of scanline that the newer run-length code may hold.
 const NEW_RLE_LENGTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 /// Texels that one byte of file can stand for at most. A run of the newer code holds 127 texels in 8 bytes; the older one
@@ -23,14 +21,9 @@ fn malformed(reason: impl Into<String>) -> DecodeError {
     DecodeError::malformed(FORMAT, reason)
 }
 
-/// Whether the bytes begin like a Radiance picture: `#?` and any word, or a header without that line that names the format.
+/// Whether the bytes begin like a Radiance picture: with `#?` and any word, or without that line with the format.
 pub fn sniff(bytes: &[u8]) -> bool {
-    let names_format = || {
-        let header = &bytes[..bytes.len().min(SNIFFED)];
-        header.is_ascii()
-            && header.split(|&byte| byte == b'\n').any(|line| line.starts_with(b"FORMAT=32-bit_rle_"))
-    };
-    bytes.starts_with(b"#?") || names_format()
+    bytes.starts_with(b"#?") || bytes.starts_with(b"FORMAT=32-bit_rle_")
 }
 
 /// Decodes a Radiance picture: run-length codes old and new, uncompressed, RGBE and XYZE, all eight orientations.
@@ -60,14 +53,14 @@ pub fn decode(bytes: &[u8], sink: &mut dyn TexelSink) -> Result<Description, Dec
     let (width, height) = layout.size();
     sink.begin(width, height, None);
     let matrix = header.matrix();
-    let scale = scales(header.exposure);
+    let scales = scales(header.exposure, header.correction);
     let mut scanline = vec![[0u8; 4]; layout.scanline_length as usize];
     let mut colors = vec![Vec3::ZERO; scanline.len()];
     for index in 0..layout.scanlines {
         read_scanline(&mut cursor, &mut scanline)
             .map_err(|reason| malformed(format!("scanline {index}: {reason}")))?;
         for (color, &rgbe) in colors.iter_mut().zip(&scanline) {
-            *color = header.color(rgbe, &scale, matrix.as_ref());
+            *color = color_of(rgbe, &scales, matrix.as_ref());
         }
         layout.hand_over(index, &mut colors, sink);
     }
@@ -76,11 +69,14 @@ pub fn decode(bytes: &[u8], sink: &mut dyn TexelSink) -> Result<Description, Dec
     Ok(Description { format: FORMAT, details, warnings: header.warnings })
 }
 
-/// Radiance of mantissa 1 for every exponent.
-fn scales(exposure: f64) -> [f64; 256] {
+/// Radiance of mantissa 1 for every exponent, by channel.
+type Scales = [[f64; 3]; 256];
+
+fn scales(exposure: f64, correction: Vec3) -> Scales {
+    let factors = correction.to_array().map(|factor| exposure * f64::from(factor));
     std::array::from_fn(|exponent| match exponent {
-        0 => 0.0,
-        _ => (exponent as f64 - 136.0).exp2() / exposure,
+        0 => [0.0; 3],
+        _ => factors.map(|factor| (exponent as f64 - 136.0).exp2() / factor),
     })
 }
 
@@ -138,7 +134,7 @@ struct Header {
 impl Header {
     fn read(cursor: &mut Cursor) -> Result<Self, DecodeError> {
         if !sniff(cursor.bytes) {
-            return Err(malformed("it neither begins with #? nor has a FORMAT line"));
+            return Err(malformed("it begins neither with #? nor with its FORMAT"));
         }
         if cursor.bytes.starts_with(b"#?") {
             cursor.line()?;
@@ -212,16 +208,13 @@ impl Header {
         }
         self.primaries.filter(|primaries| !primaries.is_rec709()).and_then(|primaries| primaries.rec709())
     }
+}
 
-    fn color(&self, rgbe: [u8; 4], scale: &[f64; 256], matrix: Option<&Mat3>) -> Vec3 {
-        let scale = scale[usize::from(rgbe[3])];
-        let mantissa = |index: usize| {
-            let value = f64::from(rgbe[index]) * scale / f64::from(self.correction[index]);
-            value.min(f64::from(f32::MAX)) as f32
-        };
-        let color = Vec3::new(mantissa(0), mantissa(1), mantissa(2));
-        matrix.map_or(color, |matrix| converted(matrix, color))
-    }
+fn color_of(rgbe: [u8; 4], scales: &Scales, matrix: Option<&Mat3>) -> Vec3 {
+    let scale = &scales[usize::from(rgbe[3])];
+    let channel = |index: usize| (f64::from(rgbe[index]) * scale[index]).min(f64::from(f32::MAX)) as f32;
+    let color = Vec3::new(channel(0), channel(1), channel(2));
+    matrix.map_or(color, |matrix| converted(matrix, color))
 }
 
 /// As many numbers as are wanted, and nothing else.

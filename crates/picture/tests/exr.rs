@@ -356,3 +356,61 @@ fn no_damage_panics_or_allocates_without_bound() {
     }
     assert!(peak_memory().is_none_or(|bytes| bytes < 2 << 30));
 }
+
+/// 4 x 4 texels of luminance 1 to 16 and chroma of every second texel across and down, uncompressed, as the format's specification has it.
+fn luminance_chroma(ry: f32, by: f32) -> Vec<u8> {
+    let mut bytes = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let attribute = |bytes: &mut Vec<u8>, name: &str, kind: &str, value: &[u8]| {
+        bytes.extend(name.bytes().chain([0]).chain(kind.bytes()).chain([0]));
+        bytes.extend((value.len() as i32).to_le_bytes());
+        bytes.extend(value);
+    };
+    let numbers = |numbers: &[i32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let floats = |floats: &[f32]| floats.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let mut channels = Vec::new();
+    for (name, step) in [("BY", 2), ("RY", 2), ("Y", 1)] {
+        channels.extend(name.bytes().chain([0]));
+        channels.extend(numbers(&[2, 0, step, step]));
+    }
+    channels.push(0);
+    attribute(&mut bytes, "channels", "chlist", &channels);
+    attribute(&mut bytes, "compression", "compression", &[0]);
+    attribute(&mut bytes, "dataWindow", "box2i", &numbers(&[0, 0, 3, 3]));
+    attribute(&mut bytes, "displayWindow", "box2i", &numbers(&[0, 0, 3, 3]));
+    attribute(&mut bytes, "lineOrder", "lineOrder", &[0]);
+    attribute(&mut bytes, "pixelAspectRatio", "float", &floats(&[1.0]));
+    attribute(&mut bytes, "screenWindowCenter", "v2f", &floats(&[0.0, 0.0]));
+    attribute(&mut bytes, "screenWindowWidth", "float", &floats(&[1.0]));
+    bytes.push(0);
+    let row = |y: i32| {
+        let chroma = if y % 2 == 0 { floats(&[by, by, ry, ry]) } else { Vec::new() };
+        let luminance: Vec<f32> = (1..=4).map(|x| (4 * y + x) as f32).collect();
+        let data = [chroma, floats(&luminance)].concat();
+        [numbers(&[y, data.len() as i32]), data].concat()
+    };
+    let mut at = bytes.len() + 4 * 8;
+    for y in 0..4 {
+        bytes.extend((at as u64).to_le_bytes());
+        at += row(y).len();
+    }
+    (0..4).for_each(|y| bytes.extend(row(y)));
+    bytes
+}
+
+#[test]
+fn chroma_of_every_second_texel_becomes_colour() {
+    let image = decode(&luminance_chroma(0.5, -0.25)).unwrap().image;
+    for (y, x) in (0..4).flat_map(|y| (0..4).map(move |x| (y, x))) {
+        let luminance = (4 * y + x + 1) as f32;
+        let (r, b) = (1.5 * luminance, 0.75 * luminance);
+        let g = (luminance - 0.2126 * r - 0.0722 * b) / 0.7152;
+        // The filter's weights sum to 1 within 2e-5.
+        let off = (image.get(x, y) - Vec3::new(r, g, b)).abs().max_element();
+        assert!(off < 1e-4 * luminance, "{x} {y}: {}", image.get(x, y));
+    }
+    // Without chroma exactly grey.
+    assert_eq!(decode(&luminance_chroma(0.0, 0.0)).unwrap().image.get(3, 3), Vec3::splat(16.0));
+    // Cut off anywhere, an error.
+    let bytes = luminance_chroma(0.5, -0.25);
+    (0..bytes.len()).for_each(|length| assert!(decode(&bytes[..length]).is_err(), "{length}"));
+}

@@ -1,39 +1,34 @@
 //! OpenEXR pictures, through the `exr` crate: its block interface, so that sizes are checked before anything is allocated
 //! and only the wanted layer and level are decompressed.
 
+mod blocks;
 mod chroma;
 mod layers;
 mod sampling;
 
 use std::borrow::Cow;
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use ::exr::block::chunk::{Chunk, CompressedBlock};
-use ::exr::block::reader::{ChunksReader, Reader};
+use ::exr::block::reader::Reader;
 use ::exr::meta::BlockDescription;
-use ::exr::meta::attribute::{ChannelDescription, EnvironmentMap, SampleType};
+use ::exr::meta::attribute::{ChannelDescription, EnvironmentMap};
 use ::exr::meta::header::Header;
 use ::exr::prelude::{
     Blocks, Compression, Encoding, Image, LineOrder, SpecificChannels, Vec2, WritableImage,
 };
 use glam::{Mat3, Vec3};
-use half::f16;
-use rayon::prelude::*;
 
 use crate::error::{DecodeError, ImageError};
 use crate::file::{Description, EnvironmentAttribute, TexelSink};
 use crate::primaries::{Primaries, converted};
 use crate::{MAX_TEXELS, RgbImage, atomic};
+use blocks::read_rows;
 use layers::{Channels, Choice};
 
 const FORMAT: &str = "OpenEXR";
 /// Largest block (tile or run of scanlines) that is decompressed in one piece [bytes].
 const MAX_BLOCK_BYTES: u64 = 1 << 28;
-/// Most blocks that wait in memory to be decompressed side by side, and most bytes that come of them.
-const BATCH: u64 = 16;
-const MAX_BATCH_BYTES: u64 = 1 << 28;
 
 fn malformed(reason: impl Into<String>) -> DecodeError {
     DecodeError::malformed(FORMAT, reason)
@@ -316,169 +311,6 @@ impl Window {
         let is_inside = start < end && (0..i64::from(self.height)).contains(&y);
         is_inside.then(|| (start as u32, y as u32, (start - x) as usize..(end - x) as usize))
     }
-}
-
-/// A decompressed block: texels from a place of the data window on, row by row.
-struct Rows {
-    x: usize,
-    y: usize,
-    width: usize,
-    texels: Vec<Vec3>,
-}
-
-/// Reads three channels of one part, in any order of rows and in parts of rows.
-fn read_rows(
-    reader: Reader<Cursor<&[u8]>>,
-    part: usize,
-    header: &Header,
-    channels: [usize; 3],
-    mut take: impl FnMut(usize, usize, &mut [Vec3]),
-) -> Result<(), DecodeError> {
-    let mut chunks = reader
-        .filter_chunks(false, |_, tile, block| block.layer == part && tile.level_index == Vec2(0, 0))
-        .map_err(from_exr)?;
-    let mut seen = std::collections::HashSet::new();
-    let expected = chunks.expected_chunk_count();
-    let batch = (MAX_BATCH_BYTES / block_bytes(header).max(1)).clamp(1, BATCH) as usize;
-    loop {
-        let batch = chunks.by_ref().take(batch).collect::<Result<Vec<Chunk>, _>>().map_err(from_exr)?;
-        if batch.is_empty() {
-            break;
-        }
-        // Not the crate's own thread pool: a job that panics there ends the process.
-        let blocks: Vec<_> = batch
-            .into_par_iter()
-            .filter(|chunk| chunk.layer_index == part)
-            .map(|chunk| decompress(chunk, header, channels))
-            .collect();
-        for block in blocks {
-            let Some(Rows { x, y, width, mut texels }) = block? else { continue };
-            if seen.insert((x, y)) {
-                (y..).zip(texels.chunks_mut(width)).for_each(|(y, row)| take(x, y, row));
-            }
-        }
-    }
-    if seen.len() != expected {
-        return Err(malformed(format!("{} of {expected} blocks are missing", expected - seen.len())));
-    }
-    Ok(())
-}
-
-/// Bytes of a whole block, as stored and as colours.
-fn block_bytes(header: &Header) -> u64 {
-    let Vec2(width, height) = header.max_block_pixel_size();
-    let texels = width.min(header.layer_size.0) as u64 * height.min(header.layer_size.1) as u64;
-    texels.saturating_mul((header.channels.bytes_per_pixel + size_of::<Vec3>()) as u64)
-}
-
-/// Three channels of a block; none of a block of another resolution.
-fn decompress(chunk: Chunk, header: &Header, channels: [usize; 3]) -> Result<Option<Rows>, DecodeError> {
-    let place = header.get_block_data_indices(&chunk.compressed_block).map_err(from_exr)?;
-    if place.level_index != Vec2(0, 0) {
-        return Ok(None);
-    }
-    let section = header.get_absolute_block_pixel_coordinates(place).map_err(from_exr)?;
-    section.validate(Some(header.layer_size)).map_err(from_exr)?;
-    let bytes = match chunk.compressed_block {
-        CompressedBlock::Tile(block) => block.compressed_pixels_le,
-        CompressedBlock::ScanLine(block) => block.compressed_pixels_le,
-        _ => return Err(malformed("a deep block in a flat part")),
-    };
-    let Vec2(width, height) = section.size;
-    let (x, y) = (section.position.0 as usize, section.position.1 as usize);
-    let lines = Lines { list: &header.channels.list, y, width, height };
-    let size = lines.bytes();
-    // The crate knows by the bytes of a pixel how long a block is, which is right for subsampled ones too if it is told their mean.
-    let header = match size == width * height * header.channels.bytes_per_pixel {
-        true => Cow::Borrowed(header),
-        false => {
-            let mut header = header.clone();
-            header.channels.bytes_per_pixel = size / (width * height).max(1);
-            Cow::Owned(header)
-        }
-    };
-    if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) && bytes.len() != size {
-        check_counters(&bytes, section.size, &header)?;
-    }
-    // The crate's B44 decoder overflows on damaged blocks, which panics in builds that check arithmetic; a block is a
-    // closed unit of work, so nothing half-changed is seen afterwards.
-    let outcome = catch_unwind(AssertUnwindSafe(|| {
-        header.compression.decompress_image_section_from_le(&header, bytes, section, false)
-    }));
-    let data = outcome
-        .unwrap_or_else(|_| Err(::exr::error::Error::Invalid("compressed block".into())))
-        .map_err(from_exr)?;
-    if data.len() != size {
-        return Err(malformed("a block is shorter than its channels"));
-    }
-    Ok(Some(Rows { x, y, width, texels: lines.texels(&data, channels) }))
-}
-
-/// How a block's samples follow one another: line by line, and in a line channel by channel.
-struct Lines<'a> {
-    list: &'a [ChannelDescription],
-    y: usize,
-    width: usize,
-    height: usize,
-}
-
-impl Lines<'_> {
-    /// Number, channel and samples of every line of a channel.
-    fn each(&self) -> impl Iterator<Item = (usize, usize, usize)> {
-        (0..self.height).flat_map(move |row| {
-            let there = move |channel: &ChannelDescription| (self.y + row).is_multiple_of(channel.sampling.1);
-            let channels = self.list.iter().enumerate().filter(move |(_, channel)| there(channel));
-            channels.map(move |(index, channel)| (row, index, self.width / channel.sampling.0))
-        })
-    }
-
-    fn bytes(&self) -> usize {
-        self.each().map(|(_, channel, count)| count * self.list[channel].sample_type.bytes_per_sample()).sum()
-    }
-
-    /// Three channels of as many bytes. Where a channel is subsampled the first texel of each has the sample.
-    fn texels(&self, mut data: &[u8], channels: [usize; 3]) -> Vec<Vec3> {
-        let mut texels = vec![Vec3::ZERO; self.width * self.height];
-        for (row, index, count) in self.each() {
-            let channel = &self.list[index];
-            let (line, rest) = data.split_at(count * channel.sample_type.bytes_per_sample());
-            data = rest;
-            for target in (0..3).filter(|&target| channels[target] == index) {
-                let row = &mut texels[row * self.width..][..self.width];
-                let mut put = |values: &mut dyn Iterator<Item = f32>| {
-                    for (texel, value) in row.iter_mut().step_by(channel.sampling.0).zip(values) {
-                        texel[target] = value;
-                    }
-                };
-                // The crate has already turned the samples into the machine's byte order.
-                let (twos, fours) = (line.as_chunks::<2>().0, line.as_chunks::<4>().0);
-                match channel.sample_type {
-                    SampleType::F16 => put(&mut twos.iter().map(|&bytes| f16::from_ne_bytes(bytes).to_f32())),
-                    SampleType::F32 => put(&mut fours.iter().map(|&bytes| f32::from_ne_bytes(bytes))),
-                    SampleType::U32 => put(&mut fours.iter().map(|&bytes| u32::from_ne_bytes(bytes) as f32)),
-                }
-            }
-        }
-        texels
-    }
-}
-
-/// A DWA block begins with eleven counts, by which the crate allocates without a look at the block's size.
-fn check_counters(
-    bytes: &[u8],
-    Vec2(width, height): Vec2<usize>,
-    header: &Header,
-) -> Result<(), DecodeError> {
-    let texel_bytes = header.channels.bytes_per_pixel as u64;
-    // Cosine transforms pad each side to a multiple of eight; run lengths may add a little.
-    let most = 2 * (width as u64 + 7) * (height as u64 + 7) * texel_bytes + 1024;
-    let counter = |index: usize| {
-        let bytes = bytes.get(8 * index..8 * index + 8)?;
-        Some(u64::from_le_bytes(bytes.try_into().ok()?))
-    };
-    // Uncompressed sizes of the sections in bytes, then counts of two-byte coefficients.
-    let sound = [1, 6, 7, 8, 9].iter().all(|&index| counter(index).is_some_and(|count| count <= most));
-    sound.then_some(()).ok_or_else(|| malformed("the counters of a DWA block exceed the block"))
 }
 
 /// Encodes a picture as OpenEXR: scanlines, 32-bit float `R`, `G`, `B`, ZIP. Lossless, also for NaN and infinity.
