@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use glam::{Quat, Vec3, Vec4};
-use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
+use gnomon_envmap::{Backdrop, Equirect, PrefilteredMap, Sh9};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;
 use gnomon_shaders::layout;
@@ -31,6 +31,7 @@ pub struct PreparedLighting {
     peak: f32,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
+    backdrop: Option<Arc<Backdrop>>,
     irradiance: Irradiance,
     prefiltered_full: Vec<Equirect>,
     rest: PreparedRest,
@@ -59,6 +60,7 @@ impl PreparedLighting {
             peak: map.radiance().texels().iter().fold(0.0, |peak, texel| texel.max_element().max(peak)),
             full_sh: spherical_harmonics(map),
             background: mip_levels(map),
+            backdrop: map.backdrop().cloned(),
             irradiance: Irradiance::new(map),
             prefiltered_full: prefiltered(map),
             rest: PreparedRest::new(&ambient.residual),
@@ -107,6 +109,9 @@ pub(crate) struct Lighting {
     pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
     pub background: wgpu::TextureView,
+    /// What the camera sees of it, and the radiance of a 1 in there.
+    pub seen: wgpu::TextureView,
+    pub seen_scale: f32,
     /// [`layout::Emitters`] of the whole environment, and the irradiance of all else over the sphere of normals.
     pub emitters: wgpu::Buffer,
     pub irradiance_rest: wgpu::TextureView,
@@ -128,6 +133,11 @@ impl Lighting {
                 adapter: gpu.adapter().name.clone(),
             });
         }
+        let background = upload_maps(gpu, "background", &prepared.background);
+        let (seen, seen_scale) = match prepared.backdrop {
+            Some(backdrop) => upload_backdrop(gpu, backdrop),
+            None => (background.clone(), 1.0),
+        };
         let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
@@ -141,7 +151,9 @@ impl Lighting {
             peak: prepared.peak,
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
-            background: upload_maps(gpu, "background", &prepared.background),
+            background,
+            seen,
+            seen_scale,
             emitters: upload_emitters(gpu, &prepared.irradiance.emitters),
             irradiance_rest: upload(gpu, "irradiance", &[prepared.irradiance.rest]),
             prefiltered_full: upload_maps(gpu, "prefiltered", &prepared.prefiltered_full),
@@ -231,6 +243,19 @@ fn upload<'a>(gpu: &Gpu, label: &str, levels: impl IntoIterator<Item = &'a RgbIm
         gpu.write_texture(&texture, [i, 0], [level.width(), level.height()], bytemuck::cast_slice(&texels));
     }
     texture.create_view(&Default::default())
+}
+
+/// Uploads a backdrop as large as the adapter's textures may be, with the radiance of a 1 in there.
+fn upload_backdrop(gpu: &Gpu, mut backdrop: Arc<Backdrop>) -> (wgpu::TextureView, f32) {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    while backdrop.width().max(backdrop.height()) > limit {
+        backdrop = Arc::new(backdrop.halved());
+    }
+    let [width, height] = [backdrop.width(), backdrop.height()];
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = gpu.texture("backdrop", [width, height, 1], 1, wgpu::TextureFormat::Rgb9e5Ufloat, usage);
+    gpu.write_texture_in_parts(&texture, [width, height], bytemuck::cast_slice(backdrop.texels()));
+    (texture.create_view(&Default::default()), backdrop.scale())
 }
 
 fn upload_emitters(gpu: &Gpu, emitters: &[layout::Emitter]) -> wgpu::Buffer {

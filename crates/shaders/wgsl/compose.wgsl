@@ -33,7 +33,7 @@ fn background_at(sample: vec2u) -> vec3f {
     }
     let near = unproject(sample, 1.0);
     let direction = environment_direction(normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz));
-    return equirect_lookup(background, direction, 0);
+    return equirect_lookup(background, direction, 0) * view.background_scale;
 }
 
 // Radiance of a surface under these sums.

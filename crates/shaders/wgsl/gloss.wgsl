@@ -7,7 +7,7 @@
 // What glossy surfaces reflect of the environment at every shading point, without shadows and with them: the samples of the lobe, and those
 // of them whose way is open.
 
-@group(GROUP_FRAME) @binding(1) var background: texture_2d<f32>;
+@group(GROUP_FRAME) @binding(1) var environment_levels: texture_2d<f32>;
 @group(GROUP_PASS) @binding(0) var<storage, read> points: array<ShadingPoint>;
 @group(GROUP_PASS) @binding(1) var<storage, read> work: array<u32>;
 @group(GROUP_PASS) @binding(2) var<storage, read_write> diffuse_sums: array<vec4u>;

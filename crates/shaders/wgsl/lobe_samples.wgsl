@@ -5,7 +5,7 @@
 #import sample_pattern
 
 // Filtered importance sampling (Krivanek and Colbert 2008): few samples of a lobe, each reads the mip level of the environment that has about
-// as many texels as the sphere has samples of its density. The importer binds `background: texture_2d<f32>`.
+// as many texels as the sphere has samples of its density. The importer binds `environment_levels: texture_2d<f32>`.
 
 struct LobeSample {
     // Unit vector in the world.
@@ -27,13 +27,13 @@ fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     if pdf <= 0.0 || wi.z <= 0.0 {
         return LobeSample(surface.n, vec3f(0.0));
     }
-    let size = vec2f(textureDimensions(background, 0));
+    let size = vec2f(textureDimensions(environment_levels, 0));
     let texels_per_sample = size.x * size.y / (4.0 * PI) / (f32(count) * pdf);
     let level = 0.5 * log2(max(texels_per_sample, 1e-6));
     let direction = world_from_local(surface.frame, wi);
     let towards = (view.environment_from_world * vec4f(direction, 0.0)).xyz;
     let reflected = reflectance_lobe(surface.lobe, wo, wi) * (wi.z / (pdf * f32(count)));
-    return LobeSample(direction, reflected * equirect_lookup_level(background, towards, level));
+    return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level));
 }
 
 // Rays of a lobe: what narrow ones reflect is alike for all of them.

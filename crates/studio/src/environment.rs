@@ -38,8 +38,8 @@ pub fn load_environment(look: &Look) -> Result<(Equirect, Vec<String>), StudioEr
             Ok((map, Vec::new()))
         }
         Some(EnvironmentSource::File(path)) => {
-            let projection = look.environment.projection;
-            let environment = load(Path::new(path), projection).map_err(|error| match path.exists() {
+            let options = look.environment.load_options();
+            let environment = load(Path::new(path), options).map_err(|error| match path.exists() {
                 true => error.into(),
                 false => no_environment(&path.to_string_lossy(), &names()),
             })?;
@@ -55,7 +55,7 @@ pub(crate) fn environment_of(
 ) -> Result<(Equirect, Vec<String>), StudioError> {
     match (source, &look.map) {
         (SceneSource::Files(files), Some(EnvironmentSource::File(path))) => {
-            Ok(with_warnings(path, files.environment(path, look.environment.projection)?))
+            Ok(with_warnings(path, files.environment(path, look.environment.load_options())?))
         }
         _ => load_environment(look),
     }

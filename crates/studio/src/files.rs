@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnomon_envmap::{Environment, Projection, from_bytes};
+use gnomon_envmap::{Environment, LoadOptions, from_bytes};
 use gnomon_scene_files::{ReadError, Resolver};
 
 use crate::StudioError;
@@ -39,7 +39,7 @@ impl SceneFiles {
     pub(crate) fn environment(
         &self,
         path: &Path,
-        projection: Option<Projection>,
+        options: LoadOptions<'_>,
     ) -> Result<Environment, StudioError> {
         let shown = path.display();
         let bytes = self.files.read(path, LONGEST_MAP).map_err(|error| match error {
@@ -47,7 +47,7 @@ impl SceneFiles {
             ReadError::NotRegular => StudioError::Request(format!("{shown} is not a regular file")),
             ReadError::TooLong => StudioError::Request(format!("{shown} is longer than {LONGEST_MAP} bytes")),
         })?;
-        Ok(from_bytes(path, &bytes, projection)?)
+        Ok(from_bytes(path, &bytes, options)?)
     }
 }
 

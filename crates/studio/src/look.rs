@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gnomon_brdf::Surface;
-use gnomon_envmap::Projection;
+use gnomon_envmap::{LoadOptions, Projection};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{
     Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, number, settings, size, text,
@@ -77,8 +77,17 @@ settings! {
     pub struct EnvironmentLook in ENVIRONMENT {
         /// Layout of the environment's file, where its shape does not tell.
         projection: Option<Projection> = None, choice(Projection::choices).automatic("by its shape", 0.0);
+        /// Layer of an OpenEXR environment, or one channel of it by its whole name.
+        layer: Option<String> = None, text().automatic("the one that is plainly the picture", 0.0).flag("env-layer");
         /// Turn of the environment about +y by the right-hand rule.
         rotation: f32 = 0.0, angle().flag("env-rotation");
+    }
+}
+
+impl EnvironmentLook {
+    /// How the environment's file is read.
+    pub fn load_options(&self) -> LoadOptions<'_> {
+        LoadOptions { projection: self.projection, layer: self.layer.as_deref() }
     }
 }
 
@@ -141,7 +150,7 @@ impl Look {
 
     /// Whether the environment is the same but for its turn.
     pub(crate) fn has_map_of(&self, other: &Self) -> bool {
-        (&self.map, self.environment.projection) == (&other.map, other.environment.projection)
+        (&self.map, self.environment.load_options()) == (&other.map, other.environment.load_options())
     }
 
     /// Takes another environment, as it is.
@@ -228,7 +237,7 @@ mod tests {
         now.display.tone_mapping = ToneMapping::Linear;
         now.animation.time = 3.0;
         let sky = Some(EnvironmentSource::Builtin("sky".to_owned()));
-        let file = EnvironmentLook { projection: Some(Projection::Equirect), rotation: 5.0 };
+        let file = EnvironmentLook { projection: Some(Projection::Equirect), rotation: 5.0, layer: None };
         let mut brought = Look { map: sky, environment: file.clone(), ..Look::default() };
         (brought.display.exposure, brought.display.background) = (Some(2.0), false);
         let mut kept = brought.clone();

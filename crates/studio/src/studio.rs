@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gnomon_envmap::{Equirect, Projection};
+use gnomon_envmap::Equirect;
 use gnomon_lights::LightSet;
 use gnomon_lights::fit::FitSettings;
 use gnomon_metrics::SampledError;
@@ -18,6 +18,7 @@ use crate::converging::Converging;
 use crate::environment::{LightingRequest, LightingResult, work_out, work_out_stage};
 use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
+use crate::look::EnvironmentLook;
 use crate::stage::LookChange;
 use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
@@ -63,7 +64,8 @@ pub struct Studio {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightingKey {
     map: Option<EnvironmentSource>,
-    projection: Option<Projection>,
+    /// How its file is read; turned by nothing.
+    reading: EnvironmentLook,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
@@ -78,7 +80,7 @@ impl LightingKey {
             map: look.map.clone(),
             // Else turning needs no new lights.
             interior_turn: is_interior.then_some(look.environment.rotation),
-            projection: look.environment.projection,
+            reading: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
             lighting: look.lighting.clone(),
@@ -86,13 +88,13 @@ impl LightingKey {
     }
 
     fn same_map(&self, other: &Self) -> bool {
-        (&self.map, self.projection) == (&other.map, other.projection)
+        (&self.map, &self.reading) == (&other.map, &other.reading)
     }
 
     /// Puts a look back to what these lights are for.
     fn restore(&self, look: &mut Look) {
         look.map = self.map.clone();
-        look.environment.projection = self.projection;
+        look.environment = EnvironmentLook { rotation: look.environment.rotation, ..self.reading.clone() };
         look.fit = self.fit.clone();
         look.lighting = self.lighting.clone();
     }

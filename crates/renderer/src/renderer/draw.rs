@@ -283,6 +283,7 @@ impl Renderer {
             gloss_samples: settings.techniques.gloss_samples,
             rough_gloss_list: lit.batches.first_list() as u32,
             sum_scales: lit.sum_scales(),
+            background_scale: lit.lighting.seen_scale,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,

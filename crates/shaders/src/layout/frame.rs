@@ -107,6 +107,8 @@ super::structs! {
         pub rough_gloss_list: u32,
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
         pub sum_scales: Vec3,
+        /// Radiance of a 1 in what is seen of the environment.
+        pub background_scale: f32,
         /// SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
         pub residual_sh: [Vec4; 9],
         /// The same of the whole environment.
