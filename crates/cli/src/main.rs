@@ -41,6 +41,7 @@ enum Command {
     Reference(Box<command::reference::ReferenceArgs>),
     Decompose(command::decompose::DecomposeArgs),
     Compare(command::compare::CompareArgs),
+    Inspect(command::inspect::InspectArgs),
     Info(command::info::InfoArgs),
     Demo(command::demo::DemoArgs),
     #[cfg(feature = "view")]
@@ -58,6 +59,7 @@ fn run(cli: &Cli) -> Result<(), CliError> {
         Command::Reference(args) => command::reference::run(args, terminal),
         Command::Decompose(args) => command::decompose::run(args, terminal),
         Command::Compare(args) => command::compare::run(args, terminal),
+        Command::Inspect(args) => command::inspect::run(args, terminal),
         Command::Info(args) => command::info::run(args),
         Command::Demo(args) => command::demo::run(args, terminal),
         #[cfg(feature = "view")]

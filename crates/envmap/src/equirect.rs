@@ -1,7 +1,10 @@
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 use gnomon_picture::{LUMINANCE, RgbImage};
+
+use crate::Backdrop;
 
 /// An equirectangular (latitude-longitude) map of incoming radiance, finite and not negative.
 ///
@@ -10,12 +13,24 @@ use gnomon_picture::{LUMINANCE, RgbImage};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equirect {
     radiance: RgbImage,
+    backdrop: Option<Arc<Backdrop>>,
 }
 
 impl Equirect {
     /// Takes linear radiance as an equirect map. The caller has cleaned it of NaN, infinite and negative texels.
     pub fn new(radiance: RgbImage) -> Self {
-        Self { radiance }
+        Self { radiance, backdrop: None }
+    }
+
+    /// The same map, with a finer picture of it for what the camera sees.
+    #[must_use]
+    pub fn with_backdrop(self, backdrop: Arc<Backdrop>) -> Self {
+        Self { backdrop: Some(backdrop), ..self }
+    }
+
+    /// The finer picture of it, where its file was larger than light needs.
+    pub fn backdrop(&self) -> Option<&Arc<Backdrop>> {
+        self.backdrop.as_ref()
     }
 
     /// The radiance of every texel, north pole (+y) row first.
@@ -74,30 +89,21 @@ impl Equirect {
     /// Bilinear radiance towards a unit direction, without a seam: columns wrap, and a row past a pole continues half
     /// a turn away.
     pub fn lookup(&self, direction: Vec3) -> Vec3 {
-        let uv = Self::uv_from_direction(direction);
-        let (x, y) = (uv.x * self.width() as f32 - 0.5, uv.y * self.height() as f32 - 0.5);
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        self.between(x0 as i64, y0 as i64, Vec2::new(fx, fy))
+        interpolate(direction, [self.width(), self.height()], |x, y| self.radiance.get(x, y))
+    }
+
+    /// What the camera sees towards a unit direction: the backdrop, or else [`Equirect::lookup`].
+    pub fn seen(&self, direction: Vec3) -> Vec3 {
+        match &self.backdrop {
+            Some(backdrop) => backdrop.lookup(direction),
+            None => self.lookup(direction),
+        }
     }
 
     /// The same at `fraction` of the way from the middle of a texel to that of the next one to the right and below; columns and rows may
     /// lie past the edges by less than the map's size.
     pub fn between(&self, column: i64, row: i64, fraction: Vec2) -> Vec3 {
-        let along = |y: i64| self.wrapped(column, y).lerp(self.wrapped(column + 1, y), fraction.x);
-        along(row).lerp(along(row + 1), fraction.y)
-    }
-
-    fn wrapped(&self, x: i64, y: i64) -> Vec3 {
-        let (width, height) = (i64::from(self.width()), i64::from(self.height()));
-        let (x, y) = if y < 0 {
-            (x + width / 2, -1 - y)
-        } else if y >= height {
-            (x + width / 2, 2 * height - 1 - y)
-        } else {
-            (x, y)
-        };
-        self.radiance.get(x.rem_euclid(width) as u32, y.clamp(0, height - 1) as u32)
+        between([self.width(), self.height()], [column, row], fraction, &|x, y| self.radiance.get(x, y))
     }
 
     /// Flux [radiance x sr] of the whole map, channel by channel: the sum of radiance times solid angle.
@@ -116,6 +122,34 @@ impl Equirect {
         let stops = (0.5 / mean).log2();
         if stops.is_finite() { stops.clamp(-60.0, 60.0) } else { 0.0 }
     }
+}
+
+/// Bilinear interpolation of the texels of an equirect picture towards a unit direction.
+pub(crate) fn interpolate(direction: Vec3, size: [u32; 2], texel: impl Fn(u32, u32) -> Vec3) -> Vec3 {
+    let at = Equirect::uv_from_direction(direction) * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
+    let first = at.floor();
+    between(size, [first.x as i64, first.y as i64], at - first, &texel)
+}
+
+fn between(
+    [width, height]: [u32; 2],
+    [column, row]: [i64; 2],
+    fraction: Vec2,
+    texel: &impl Fn(u32, u32) -> Vec3,
+) -> Vec3 {
+    let (width, height) = (i64::from(width), i64::from(height));
+    let wrapped = |x: i64, y: i64| {
+        let (x, y) = if y < 0 {
+            (x + width / 2, -1 - y)
+        } else if y >= height {
+            (x + width / 2, 2 * height - 1 - y)
+        } else {
+            (x, y)
+        };
+        texel(x.rem_euclid(width) as u32, y.clamp(0, height - 1) as u32)
+    };
+    let along = |y: i64| wrapped(column, y).lerp(wrapped(column + 1, y), fraction.x);
+    along(row).lerp(along(row + 1), fraction.y)
 }
 
 #[cfg(test)]

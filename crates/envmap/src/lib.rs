@@ -3,11 +3,13 @@
 //! [`Equirect`] is the one form the rest of the project uses; every other projection is resampled into it with its
 //! flux preserved. Axes, seam and sample positions are fixed in `CONVENTIONS.md`.
 
+mod backdrop;
 pub mod builtin;
 mod cube;
 mod equirect;
 mod fft;
 mod grid;
+mod intake;
 mod load;
 mod overlap;
 mod prefilter;
@@ -16,9 +18,10 @@ mod resample;
 mod sh;
 mod transfer;
 
+pub use backdrop::Backdrop;
 pub use cube::CubeMap;
 pub use equirect::Equirect;
-pub use load::{CleanReport, EnvMapError, Environment, from_bytes, from_picture, load};
+pub use load::{CleanReport, EnvMapError, Environment, LoadOptions, from_bytes, from_picture, load};
 pub use prefilter::{PrefilteredMap, prefiltered_level};
 pub use projection::Projection;
 pub use sh::{Sh9, sh9_basis};

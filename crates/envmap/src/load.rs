@@ -1,12 +1,10 @@
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use gnomon_picture::{Decoded, ImageError, RgbImage};
+use gnomon_picture::{Description, ImageError, RgbImage, read_bytes};
 
+use crate::intake::{self, Intake, Taken};
 use crate::{Equirect, Projection};
-
-/// Largest picture of a projection other than equirect, in texels: resampling takes some 100 bytes for each.
-const MAX_RESAMPLED_TEXELS: u64 = 1 << 24;
 
 /// Why a picture cannot serve as an environment.
 #[derive(Debug, thiserror::Error)]
@@ -77,8 +75,8 @@ pub struct Environment {
     pub report: CleanReport,
     /// Width and height of the picture in texels.
     pub source_size: (u32, u32),
-    /// What the decoder ignored or assumed.
-    notes: Vec<String>,
+    /// The picture's format, and what the decoder told.
+    description: Description,
 }
 
 impl Environment {
@@ -92,18 +90,32 @@ impl Environment {
         ];
         let cleaned =
             lines.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
-        self.notes.iter().cloned().chain(cleaned).collect()
+        self.description.warnings.iter().cloned().chain(cleaned).collect()
+    }
+
+    /// The picture's format, how it was read, and what was ignored or assumed of it.
+    pub fn description(&self) -> &Description {
+        &self.description
     }
 }
 
-/// Reads an environment map. The projection is `forced`, or else announced by the file's `envmap` attribute or by its shape.
-/// A file that is equirect keeps its size; faces of `n` texels become `4 n` x `2 n`, a probe of `n` texels `2 n` x `n`.
+/// How an environment's file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions<'a> {
+    /// Its projection; else that which the file's `envmap` attribute or its shape announces.
+    pub projection: Option<Projection>,
+    /// Layer of an OpenEXR file; else the one that is plainly the picture.
+    pub layer: Option<&'a str>,
+}
+
+/// Reads an environment map. A file that is equirect keeps its size, up to 4096 x 2048 texels: a larger one becomes a map of at most that,
+/// by exact area, with the picture as its [`crate::Backdrop`]. Faces of `n` texels become `4 n` x `2 n`, a probe of `n` texels `2 n` x `n`.
 ///
 /// # Errors
-/// [`EnvMapError`]: unreadable, of no known shape, or not of the shape that was named.
-pub fn load(path: impl AsRef<Path>, forced: Option<Projection>) -> Result<Environment, EnvMapError> {
-    let path = path.as_ref();
-    unfold(path, gnomon_picture::read(path)?, forced)
+/// [`EnvMapError`]: unreadable, of no known shape, not of the shape or without the layer that was named.
+pub fn load(path: impl AsRef<Path>, options: LoadOptions) -> Result<Environment, EnvMapError> {
+    let bytes = read_bytes(&path)?;
+    from_bytes(path, &bytes, options)
 }
 
 /// [`load`] of the bytes of a picture; `name` stands for their file in messages.
@@ -113,38 +125,31 @@ pub fn load(path: impl AsRef<Path>, forced: Option<Projection>) -> Result<Enviro
 pub fn from_bytes(
     name: impl AsRef<Path>,
     bytes: &[u8],
-    forced: Option<Projection>,
+    options: LoadOptions,
 ) -> Result<Environment, EnvMapError> {
-    let path = name.as_ref();
-    let decoded = gnomon_picture::decode(bytes)
-        .map_err(|source| ImageError::Decode { path: path.to_owned(), source })?;
-    unfold(path, decoded, forced)
-}
-
-fn unfold(path: &Path, decoded: Decoded, forced: Option<Projection>) -> Result<Environment, EnvMapError> {
-    let Decoded { image, environment, warnings, .. } = decoded;
-    let (width, height) = (image.width(), image.height());
+    let path = || name.as_ref().to_owned();
     let known = Projection::list;
-    let path = || path.to_owned();
-    let projection = forced
-        .or_else(|| Projection::detect(width, height, environment))
-        .ok_or_else(|| EnvMapError::UnknownShape { path: path(), width, height, known: known() })?;
-    let texels = u64::from(width) * u64::from(height);
-    let kept = projection == Projection::Equirect && environment.is_none();
-    if !kept && texels > MAX_RESAMPLED_TEXELS {
-        return Err(EnvMapError::TooLarge { path: path(), width, height });
-    }
-    let mut unfolded = projection.unfold(&image, environment).ok_or_else(|| EnvMapError::WrongShape {
+    let (intake, description) = intake::take(bytes, options.projection, options.layer)
+        .map_err(|source| ImageError::Decode { path: path(), source })?;
+    let Intake { taken, size: (width, height), environment, projection, .. } = intake;
+    let projection = projection.ok_or_else(|| EnvMapError::UnknownShape {
         path: path(),
         width,
         height,
-        projection,
         known: known(),
     })?;
-    drop(image);
-    let report = clean(unfolded.texels_mut());
-    let map = unfolded.into_equirect();
-    Ok(Environment { map, projection, report, source_size: (width, height), notes: warnings })
+    let (map, report) = match taken {
+        Taken::Averaged(averaged) => averaged.finish(),
+        Taken::Nothing => return Err(EnvMapError::TooLarge { path: path(), width, height }),
+        Taken::Whole(image) => {
+            let mut unfolded = projection.unfold(image, environment).ok_or_else(|| {
+                EnvMapError::WrongShape { path: path(), width, height, projection, known: known() }
+            })?;
+            let report = clean(unfolded.texels_mut());
+            (unfolded.into_equirect(), report)
+        }
+    };
+    Ok(Environment { map, projection, report, source_size: (width, height), description })
 }
 
 /// Makes an equirect map of a picture that a program computed, cleaning it as [`load`] does.
@@ -158,13 +163,24 @@ fn clean(texels: &mut [Vec3]) -> CleanReport {
     let largest = channels().filter(|value| value.is_finite()).fold(0.0, f32::max);
     let mut report = CleanReport::default();
     for texel in texels {
-        let [r, g, b] = texel.to_array();
-        let any = |is: fn(f32) -> bool| usize::from(is(r) || is(g) || is(b));
-        report.nan += any(f32::is_nan);
-        report.negative += any(|value| value < 0.0);
-        report.infinite += any(|value| value == f32::INFINITY);
-        // `max` turns NaN into 0.
-        *texel = Vec3::from_array(texel.to_array().map(|value| value.max(0.0).min(largest)));
+        *texel = report.clean(*texel, largest);
     }
     report
+}
+
+impl CleanReport {
+    /// The texel as radiance, counted where it is none; infinite channels become `infinity`.
+    pub(crate) fn clean(&mut self, texel: Vec3, infinity: f32) -> Vec3 {
+        // Nearly all are radiance.
+        if texel.is_finite() && texel.min_element() >= 0.0 {
+            return texel;
+        }
+        let channels = texel.to_array();
+        let any = |is: fn(f32) -> bool| usize::from(channels.into_iter().any(is));
+        self.nan += any(f32::is_nan);
+        self.negative += any(|value| value < 0.0);
+        self.infinite += any(|value| value == f32::INFINITY);
+        // `max` turns NaN into 0.
+        Vec3::from_array(channels.map(|value| if value == f32::INFINITY { infinity } else { value.max(0.0) }))
+    }
 }

@@ -44,6 +44,18 @@ fn shares(source: u32, sampling: Sampling, count: u32, measure: impl Fn(f64) -> 
     (0..count).map(one).collect()
 }
 
+/// For each column and row of `width` x `height` texels what they overlap of a latitude-longitude picture, with the shares of it.
+pub(crate) fn shares_of_equirect(
+    picture: [u32; 2],
+    sampling: Sampling,
+    [width, height]: [u32; 2],
+) -> [Vec<Vec<(u32, f64)>>; 2] {
+    let columns = shares(picture[0], sampling, width, |u| u);
+    // (1 - cos(theta)) / 2, without its loss of digits near 0.
+    let rows = shares(picture[1], sampling, height, |v| (0.5 * PI * v).sin().powi(2));
+    [columns, rows]
+}
+
 /// Resamples a latitude-longitude picture to `width` x `height` texels by exact overlap.
 pub(crate) fn equirect_from_picture(
     picture: &RgbImage,
@@ -51,9 +63,7 @@ pub(crate) fn equirect_from_picture(
     width: u32,
     height: u32,
 ) -> Equirect {
-    let columns = shares(picture.width(), sampling, width, |u| u);
-    // (1 - cos(theta)) / 2, without its loss of digits near 0.
-    let rows = shares(picture.height(), sampling, height, |v| (0.5 * PI * v).sin().powi(2));
+    let [columns, rows] = shares_of_equirect([picture.width(), picture.height()], sampling, [width, height]);
     let row = |sources: &Vec<(u32, f64)>| {
         let mut sum = vec![DVec3::ZERO; picture.width() as usize];
         for &(y, share) in sources {

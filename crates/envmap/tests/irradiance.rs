@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use common::{flux_error, uneven};
 use glam::{DVec3, Vec3};
 use gnomon_brdf::d_ggx;
-use gnomon_envmap::{Equirect, PrefilteredMap, Sh9, load};
+use gnomon_envmap::{Equirect, LoadOptions, PrefilteredMap, Sh9, load};
 use gnomon_picture::RgbImage;
 use gnomon_testing::data_file;
 use gnomon_testing::tolerances::SH_L2;
@@ -29,7 +29,7 @@ fn five_maps_have_their_published_coefficients() {
     assert_eq!(maps.len(), 5);
     for (name, entry) in maps {
         let file = entry["file"].as_str().unwrap();
-        let map = load(data_file(&format!("env/{file}")).unwrap(), None).unwrap().map;
+        let map = load(data_file(&format!("env/{file}")).unwrap(), LoadOptions::default()).unwrap().map;
         // The lat-long map of the Uffizi was cut elsewhere: its probe looks along what is -x in the file.
         let yaw = if file.starts_with("uffizi") { 3.0 * FRAC_PI_2 } else { 0.0 };
         let coefficients = Sh9::project(&map.rotated(yaw)).coefficients;
@@ -75,7 +75,7 @@ fn irradiance_has_its_closed_forms() {
 #[test]
 fn irradiance_of_a_photograph_is_near_brute_force() {
     let Some(path) = data_file("env/debevec_stpeters_cross.hdr") else { return };
-    let map = load(path, None).unwrap().map.resized(128, 64);
+    let map = load(path, LoadOptions::default()).unwrap().map.resized(128, 64);
     let sh = Sh9::project(&map);
     for n in [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::new(0.0, 0.6, -0.8)] {
         let mut exact = DVec3::ZERO;
@@ -117,7 +117,7 @@ fn a_constant_passes_the_prefilter_unchanged() {
 #[test]
 fn prefiltered_levels_are_the_integral_that_defines_them() {
     let Some(path) = data_file("env/debevec_grace_cross.hdr") else { return };
-    let map = load(path, None).unwrap().map.resized(512, 256);
+    let map = load(path, LoadOptions::default()).unwrap().map.resized(512, 256);
     let filtered = PrefilteredMap::new(&map, 256, 4);
     for (index, level) in filtered.levels().iter().enumerate().skip(1) {
         assert!(flux_error(level.flux(), map.flux()) < 0.01);

@@ -7,12 +7,21 @@ use std::path::PathBuf;
 
 use common::{MAPS, flux_error, rms, uneven};
 use glam::{DVec3, Vec3};
-use gnomon_envmap::{CleanReport, CubeMap, EnvMapError, Environment, Equirect, Projection, load};
+use gnomon_envmap::{
+    CleanReport, CubeMap, EnvMapError, Environment, Equirect, LoadOptions, Projection, load,
+};
 use gnomon_picture::RgbImage;
 use gnomon_testing::data_file;
 
 fn data(name: &str) -> Option<Environment> {
-    Some(load(data_file(&format!("env/{name}"))?, None).unwrap_or_else(|error| panic!("{error}")))
+    Some(
+        load(data_file(&format!("env/{name}"))?, LoadOptions::default())
+            .unwrap_or_else(|error| panic!("{error}")),
+    )
+}
+
+fn named(projection: Projection) -> LoadOptions<'static> {
+    LoadOptions { projection: Some(projection), layer: None }
 }
 
 /// Writes a picture where the test's folder is and loads it.
@@ -20,9 +29,10 @@ fn reload(image: &RgbImage, forced: Option<Projection>) -> Result<Environment, E
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("map.exr");
     gnomon_picture::write(&path, image).unwrap();
-    let loaded = load(&path, forced);
+    let options = LoadOptions { projection: forced, layer: None };
+    let loaded = load(&path, options);
     // Bytes give what their file gives.
-    let from_bytes = gnomon_envmap::from_bytes(&path, &std::fs::read(&path).unwrap(), forced);
+    let from_bytes = gnomon_envmap::from_bytes(&path, &std::fs::read(&path).unwrap(), options);
     let said = |result: &Result<Environment, EnvMapError>| match result {
         Ok(environment) => format!("{:?}", (&environment.map, environment.warnings())),
         Err(error) => error.to_string(),
@@ -81,13 +91,13 @@ fn the_angular_probe_gives_the_expected_lat_long() {
     let expected = Equirect::new(gnomon_picture::read(expected).unwrap().image);
     let compare = |map: Equirect| rms(&map.resized(expected.width(), expected.height()), &expected);
 
-    let as_openimageio = load(&probe, Some(Projection::MirroredProbe)).unwrap().map;
+    let as_openimageio = load(&probe, named(Projection::MirroredProbe)).unwrap().map;
     let off = compare(as_openimageio);
     // 128 texels across: OpenImageIO interpolates where we average.
     assert!(off < 0.04, "{off}");
 
     // As Debevec describes the probe, the same with front and back exchanged.
-    let as_debevec = load(&probe, None).unwrap();
+    let as_debevec = load(&probe, LoadOptions::default()).unwrap();
     assert_eq!(as_debevec.projection, Projection::AngularProbe);
     assert!(compare(as_debevec.map.clone()) > 0.15);
     let (width, height) = (as_debevec.map.width(), as_debevec.map.height());
@@ -121,7 +131,7 @@ fn a_cross_matches_the_lat_long_that_another_program_made_of_it() {
     for name in ["grace", "galileo", "stpeters"] {
         let Some(cross) = data(&format!("debevec_{name}_cross.hdr")) else { return };
         let Some(theirs) = data_file(&format!("reference/env_{name}_latlong_512x256.exr")) else { return };
-        let theirs = load(theirs, None).unwrap();
+        let theirs = load(theirs, LoadOptions::default()).unwrap();
         assert_eq!(cross.projection, Projection::VerticalCross);
         // Theirs is interpolated, which does not keep flux.
         let off = flux_error(cross.map.flux(), theirs.map.flux());
@@ -221,10 +231,71 @@ fn what_is_no_radiance_is_cleaned_and_counted() {
     assert_eq!((environment.map.flux(), environment.report.infinite), (DVec3::ZERO, 2));
 }
 
+/// Wider than light is worked out from; low, so that tests stay quick.
+fn large(texel: impl Fn(u32, u32) -> Vec3) -> (RgbImage, Environment) {
+    let image = RgbImage::from_fn(4100, 7, texel);
+    let environment = reload(&image, Some(Projection::Equirect)).unwrap();
+    (image, environment)
+}
+
+#[test]
+fn large_maps_are_averaged_by_exact_area_and_seen_as_they_are() {
+    let texel = |x: u32, y: u32| Vec3::new((x * 37 % 101) as f32, 1.0 + y as f32, (x * x % 7) as f32 * 0.1);
+    let (image, environment) = large(texel);
+    let whole = Equirect::new(image);
+    assert_eq!(environment.source_size, (4100, 7));
+    let expected = whole.resized(2050, 4);
+    assert!(rms(&environment.map, &expected) < 1e-6, "{}", rms(&environment.map, &expected));
+    assert!(flux_error(environment.map.flux(), whole.flux()) < 1e-6);
+    let backdrop = environment.map.backdrop().unwrap();
+    assert_eq!((backdrop.width(), backdrop.height()), (4100, 7));
+    for i in 0..500_u32 {
+        let direction = whole.texel_direction(i * 8 + i % 8, i % 7);
+        let (seen, right) = (environment.map.seen(direction), whole.lookup(direction));
+        assert!((seen - right).abs().max_element() < right.max_element() / 256.0, "{seen} {right}");
+    }
+    // Of what is no larger nothing changes.
+    let image = RgbImage::from_fn(4096, 3, texel);
+    let kept = reload(&image, Some(Projection::Equirect)).unwrap().map;
+    assert!(kept.backdrop().is_none() && *kept.radiance() == image);
+}
+
+#[test]
+fn a_small_sun_in_a_large_map_keeps_its_flux_and_its_place() {
+    let (image, environment) =
+        large(|x, y| if (x, y) == (1001, 2) { Vec3::new(9e6, 8e6, 7e6) } else { Vec3::splat(0.5) });
+    let whole = Equirect::new(image);
+    assert!(flux_error(environment.map.flux(), whole.flux()) < 1e-6);
+    let map = &environment.map;
+    let brightest = (0..4).flat_map(|y| (0..2050).map(move |x| (x, y))).max_by(|a, b| {
+        let at = |&(x, y): &(u32, u32)| map.radiance().get(x, y).x;
+        at(a).total_cmp(&at(b))
+    });
+    assert_eq!(brightest, Some((500, 1)));
+    // What is seen is as bright as the file's texel.
+    let seen = map.seen(whole.texel_direction(1001, 2));
+    assert!((seen / Vec3::new(9e6, 8e6, 7e6) - 1.0).abs().max_element() < 0.01, "{seen}");
+}
+
+#[test]
+fn large_maps_are_cleaned_like_small_ones() {
+    let (_, environment) = large(|x, _| match x {
+        100 => Vec3::new(f32::NAN, 2.0, 2.0),
+        200 => Vec3::new(2.0, -2.0, f32::NEG_INFINITY),
+        300 | 301 => Vec3::new(f32::INFINITY, 2.0, 2.0),
+        400 => Vec3::splat(70.0),
+        _ => Vec3::splat(2.0),
+    });
+    assert_eq!(environment.report, CleanReport { nan: 7, negative: 7, infinite: 14 });
+    let at = |x: u32| environment.map.radiance().get(x, 1);
+    assert_eq!(at(150), Vec3::new(70.0, 2.0, 2.0));
+    assert_eq!([at(50).x, at(100).y, at(100).z, at(200).x], [1.0, 1.0, 1.0, 36.0]);
+}
+
 #[test]
 fn nan_and_infinity_of_the_test_data_are_counted() {
     let Some(path) = data_file("env/openexr_BrightRingsNanInf.exr") else { return };
-    let environment = load(&path, Projection::from_name("equirect")).unwrap();
+    let environment = load(&path, named(Projection::Equirect)).unwrap();
     let CleanReport { nan, infinite, .. } = environment.report;
     assert!(nan > 0 && infinite > 0 && environment.warnings().len() >= 2);
     assert!(environment.map.radiance().texels().iter().all(|texel| texel.is_finite()));
@@ -256,6 +327,6 @@ fn tiny_maps_have_a_meaning_and_odd_shapes_an_error() {
         let refused = reload(&image, Some(Projection::SixFaces));
         assert!(matches!(refused, Err(EnvMapError::WrongShape { .. })));
     }
-    let absent = load(PathBuf::from("absent.hdr"), None);
+    let absent = load(PathBuf::from("absent.hdr"), LoadOptions::default());
     assert!(matches!(absent, Err(EnvMapError::Image(_))));
 }

@@ -17,7 +17,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let scene = gnomon::scene::builtin::by_name("three-boxes")?;
-//! let environment = gnomon::envmap::load("grace.hdr", None)?.map;
+//! let environment = gnomon::envmap::load("grace.hdr", Default::default())?.map;
 //! let lights = fit::by_name("optimized", &FitOptions::default())?.fit(&environment)?;
 //!
 //! let gpu = Gpu::new(&GpuOptions::default())?;

@@ -155,7 +155,7 @@ impl DataFolder {
         let unknown = || LabError::Request(format!("there is no environment '{}'", source.stand_in));
         match self.find(source.files) {
             Some(path) => {
-                let map = gnomon_envmap::load(&path, None)?.map.resized(width, height);
+                let map = gnomon_envmap::load(&path, Default::default())?.map.resized(width, height);
                 Ok(Environment { name: source.name, map, stand_in: None })
             }
             None => {

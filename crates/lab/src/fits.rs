@@ -38,7 +38,7 @@ pub fn run(args: &FitsArgs, terminal: Terminal) -> Result<(), LabError> {
     let map = match builtin::by_name(&args.environment) {
         Some(map) => map,
         None => {
-            let environment = gnomon_envmap::load(&args.environment, None)?;
+            let environment = gnomon_envmap::load(&args.environment, Default::default())?;
             environment.warnings().iter().for_each(|warning| terminal.warn(warning));
             environment.map
         }

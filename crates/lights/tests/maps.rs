@@ -13,7 +13,7 @@ use gnomon_testing::{data_dir, data_file};
 
 fn load(name: &str) -> Option<Equirect> {
     let path = data_file(&format!("env/{name}"))?;
-    Some(gnomon_envmap::load(path, None).unwrap().map)
+    Some(gnomon_envmap::load(path, Default::default()).unwrap().map)
 }
 
 fn count(map: &Equirect, method: &str, threshold: Option<f32>) -> usize {
@@ -56,7 +56,7 @@ fn every_map_keeps_its_flux_in_every_fit() {
     for entry in std::fs::read_dir(dir.join("env")).unwrap() {
         let path = entry.unwrap().path();
         // What cannot be read as an environment is the loader's matter.
-        let Ok(environment) = gnomon_envmap::load(&path, None) else { continue };
+        let Ok(environment) = gnomon_envmap::load(&path, Default::default()) else { continue };
         let map = environment.map;
         for method in methods() {
             let set = method.build(&FitOptions::default()).unwrap().fit(&map).unwrap();

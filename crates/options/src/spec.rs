@@ -17,6 +17,8 @@ pub struct OptionSpec {
     pub automatic: Option<&'static str>,
     /// A number that stands for what the program may come to, to begin with where somebody takes it in hand.
     pub start: f32,
+    /// Words that stand for a number.
+    pub words: &'static [(&'static str, f32)],
     /// Key of an option of the same settings that does not go together with this one.
     pub excludes: Option<&'static str>,
     /// The documentation of the field, as it stands there.
@@ -106,6 +108,7 @@ const fn of_kind(kind: Kind) -> OptionSpec {
         unit: "",
         automatic: None,
         start: 0.0,
+        words: &[],
         excludes: None,
         documentation: "",
         flag: None,
@@ -187,6 +190,12 @@ impl OptionSpec {
     #[must_use]
     pub const fn automatic(self, meaning: &'static str, start: f32) -> Self {
         Self { automatic: Some(meaning), start, ..self }
+    }
+
+    /// A number that these words may stand for.
+    #[must_use]
+    pub const fn words(self, words: &'static [(&'static str, f32)]) -> Self {
+        Self { words, ..self }
     }
 
     /// Giving it takes back `key`, and both at once are refused.
@@ -283,6 +292,9 @@ impl OptionSpec {
         let number = match value {
             OptionValue::Whole(number) => Some(number as f32),
             OptionValue::Number(number) => Some(number),
+            OptionValue::Name(ref name) => {
+                self.words.iter().find(|(word, _)| word == name).map(|(_, number)| *number)
+            }
             _ => None,
         };
         let accepted = match (self.kind, &value) {
@@ -331,7 +343,10 @@ impl OptionSpec {
             _ if self.automatic.is_some() && text == "automatic" => Some(OptionValue::Automatic),
             Kind::Bool => text.parse().ok().map(OptionValue::Bool),
             Kind::Whole { .. } | Kind::PowerOfTwo { .. } => text.parse().ok().map(OptionValue::Whole),
-            Kind::Number { .. } | Kind::Angle => text.parse().ok().map(OptionValue::Number),
+            Kind::Number { .. } | Kind::Angle => {
+                let number = text.parse().ok().map(OptionValue::Number);
+                number.or_else(|| (!self.words.is_empty()).then(|| OptionValue::Name(text.to_owned())))
+            }
             Kind::Text | Kind::File => Some(OptionValue::Name(whole.to_owned())),
             Kind::Choice(_) => Some(OptionValue::Name(text.to_owned())),
             Kind::Size => text.split_once(['x', 'X']).and_then(|(width, height)| {

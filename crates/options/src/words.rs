@@ -27,6 +27,10 @@ impl OptionSpec {
             Kind::File => "the path of a file".to_owned(),
             Kind::Color => "one number or RED/GREEN/BLUE from 0, linear Rec. 709".to_owned(),
         };
+        if !self.words.is_empty() {
+            allowed += ", or ";
+            allowed += &self.words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
+        }
         if self.automatic.is_some() {
             allowed += ", or automatic";
         }

@@ -69,6 +69,30 @@ settings! {
     }
 }
 
+settings! {
+    /// How a kitchen is measured.
+    pub struct RulerSettings in KITCHEN {
+        /// Length of the unit.
+        unit: f32 = 1.0, number(1e-6, 1e6).unit("m").words(&[("m", 1.0), ("cm", 0.01)]);
+    }
+}
+
+#[test]
+fn words_may_stand_for_numbers() {
+    let read = |text: &str| toml::from_str::<RulerSettings>(text);
+    for (text, unit) in [("unit = \"cm\"", 0.01), ("unit = \"m\"", 1.0), ("unit = 2", 2.0)] {
+        assert_eq!(read(text).unwrap().unit, unit, "{text}");
+    }
+    let spec = specs::<RulerSettings>()[0];
+    assert_eq!(spec.parse(" cm "), Ok(OptionValue::Number(0.01)));
+    let allowed = "it takes a number from 0.000001 to 1000000 m, or m, cm";
+    let error = read("unit = \"mile\"").unwrap_err().to_string();
+    assert!(error.contains(allowed), "{error}");
+    let error = spec.parse("mile").unwrap_err().to_string();
+    assert!(error.contains(allowed) && error.contains("`mile`"), "{error}");
+    assert!(spec.parse("0").is_err());
+}
+
 #[test]
 fn texts_and_numbers_without_bounds() {
     let settings: CookSettings = toml::from_str("name = \" Ann \"\nbalance = -1e30\nview = 720").unwrap();

@@ -28,6 +28,22 @@ pub enum DecodeError {
         /// Claimed size and the limit it breaks.
         reason: String,
     },
+    /// The file has layers of which none is plainly its picture.
+    #[error(
+        "none of its layers is plainly the picture: {layers} (name one, for an environment by --env-layer)"
+    )]
+    NoPlainLayer {
+        /// The layers, or channels where they are no layers of colours.
+        layers: String,
+    },
+    /// The file has no such layer.
+    #[error("there is no layer '{name}' with colours in it: there is {known}", name = gnomon_messages::quoted(name))]
+    NoLayer {
+        /// What was asked for.
+        name: String,
+        /// Layers that there are.
+        known: String,
+    },
     /// No known format starts like this.
     #[error("not a picture of a known format (known: {known})")]
     UnknownFormat {

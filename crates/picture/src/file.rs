@@ -4,11 +4,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use glam::Vec3;
+
 use crate::error::{DecodeError, ImageError};
 use crate::{RgbImage, exr, hdr, ldr};
 
-/// Longest file that is read [bytes]: the largest picture, uncompressed.
-const MAX_FILE: u64 = 1 << 31;
+/// Longest file that is read [bytes]: the largest picture, uncompressed, with alpha and a header.
+const MAX_FILE: u64 = (1 << 31) + (1 << 20);
 
 /// A picture format: how it is recognised and read. Writers are [`crate::write`]'s.
 #[derive(Clone, Copy, Debug)]
@@ -20,38 +22,57 @@ pub struct Format {
     /// Whether [`crate::write`] stores it.
     pub writable: bool,
     sniff: fn(&[u8]) -> bool,
-    decode: fn(&[u8]) -> Result<Decoded, DecodeError>,
+    has_layers: bool,
+    decode: Decoder,
 }
+
+/// What takes the bytes of a picture apart, and which of its layers.
+type Decoder = fn(&[u8], Option<&str>, &mut dyn TexelSink) -> Result<Description, DecodeError>;
 
 /// Every format, in the order in which they are tried.
 const FORMATS: &[Format] = &[
-    Format { name: "OpenEXR", extensions: &["exr"], writable: true, sniff: exr::sniff, decode: exr::decode },
+    Format {
+        name: "OpenEXR",
+        extensions: &["exr"],
+        writable: true,
+        sniff: exr::sniff,
+        has_layers: true,
+        decode: exr::decode,
+    },
     Format {
         name: "Radiance",
         extensions: &["hdr", "pic", "rgbe"],
         writable: true,
         sniff: hdr::sniff,
-        decode: hdr::decode,
+        has_layers: false,
+        decode: |bytes, _, sink| hdr::decode(bytes, sink),
     },
     Format {
         name: "PNG",
         extensions: &["png"],
         writable: true,
         sniff: ldr::sniff_png,
-        decode: ldr::decode_png,
+        has_layers: false,
+        decode: |bytes, _, sink| ldr::decode_png(bytes, sink),
     },
     Format {
         name: "JPEG",
         extensions: &["jpg", "jpeg"],
         writable: false,
         sniff: ldr::sniff_jpeg,
-        decode: ldr::decode_jpeg,
+        has_layers: false,
+        decode: |bytes, _, sink| ldr::decode_jpeg(bytes, sink),
     },
 ];
 
 /// Every picture format that can be read.
 pub fn formats() -> &'static [Format] {
     FORMATS
+}
+
+/// The format that a file of these bytes, or of more, begins like.
+pub fn format_of(bytes: &[u8]) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| (format.sniff)(bytes))
 }
 
 /// What an EXR file's `envmap` attribute says of its projection.
@@ -61,6 +82,27 @@ pub enum EnvironmentAttribute {
     LatLong,
     /// Six faces in a stack, samples from edge to edge.
     Cube,
+}
+
+/// Takes a picture's texels as they are decoded, so that a large one need not be in memory whole.
+pub trait TexelSink {
+    /// Width and height of the picture and what it says of its projection, before any texel. Texels that do not come are black.
+    fn begin(&mut self, width: u32, height: u32, environment: Option<EnvironmentAttribute>);
+
+    /// Texels of row `y` from column `x` to the right, linear Rec. 709; they may be NaN, infinite or negative where the file's are. Rows
+    /// come in any order and in parts, each texel once.
+    fn texels(&mut self, x: u32, y: u32, texels: &[Vec3]);
+}
+
+/// What was decoded.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Name of the file's format, as in [`formats`].
+    pub format: &'static str,
+    /// How it was read where that is not plain, as its layer: one line each, for people.
+    pub details: Vec<String>,
+    /// What was ignored or assumed, one line each, without the file's name.
+    pub warnings: Vec<String>,
 }
 
 /// A picture as its file has it.
@@ -74,6 +116,22 @@ pub struct Decoded {
     pub environment: Option<EnvironmentAttribute>,
     /// What was ignored or assumed, one line each, without the file's name.
     pub warnings: Vec<String>,
+}
+
+/// The whole picture.
+struct Whole {
+    image: RgbImage,
+    environment: Option<EnvironmentAttribute>,
+}
+
+impl TexelSink for Whole {
+    fn begin(&mut self, width: u32, height: u32, environment: Option<EnvironmentAttribute>) {
+        *self = Self { image: RgbImage::filled(width, height, Vec3::ZERO), environment };
+    }
+
+    fn texels(&mut self, x: u32, y: u32, texels: &[Vec3]) {
+        self.image.row_mut(y)[x as usize..][..texels.len()].copy_from_slice(texels);
+    }
 }
 
 /// Which texels of a picture count.
@@ -90,13 +148,33 @@ pub struct Mask {
 /// Decodes the bytes of a picture in whichever format they begin like.
 ///
 /// # Errors
-/// [`DecodeError`]: unknown format, damaged, unsupported or over a limit.
+/// [`DecodeError`]: unknown format, damaged, unsupported, over a limit, or of several layers of which none is plainly the picture.
 pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
-    let format = FORMATS.iter().find(|format| (format.sniff)(bytes)).ok_or_else(|| {
+    let mut whole = Whole { image: RgbImage::filled(0, 0, Vec3::ZERO), environment: None };
+    let Description { format, warnings, .. } = decode_into(bytes, None, &mut whole)?;
+    Ok(Decoded { image: whole.image, format, environment: whole.environment, warnings })
+}
+
+/// Decodes the bytes of a picture part by part: of an OpenEXR file the named layer, where one is named.
+///
+/// # Errors
+/// As [`decode`], and [`DecodeError::NoLayer`]. What `sink` has got by then is of no use.
+pub fn decode_into(
+    bytes: &[u8],
+    layer: Option<&str>,
+    sink: &mut dyn TexelSink,
+) -> Result<Description, DecodeError> {
+    let format = format_of(bytes).ok_or_else(|| {
         let known = FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
         DecodeError::UnknownFormat { known }
     })?;
-    (format.decode)(bytes)
+    match layer {
+        Some(name) if !format.has_layers => Err(DecodeError::NoLayer {
+            name: name.to_owned(),
+            known: format!("none, as it is a {} file", format.name),
+        }),
+        _ => (format.decode)(bytes, layer, sink),
+    }
 }
 
 /// Reads a picture; the content decides the format, not the name.
@@ -123,10 +201,18 @@ pub fn read_mask(path: impl AsRef<Path>) -> Result<Mask, ImageError> {
     Ok(Mask { width: image.width(), height: image.height(), inside: inside.collect() })
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
+/// Reads the bytes of a picture's file, for [`decode_into`].
+///
+/// # Errors
+/// [`ImageError::Read`] from the file system, [`ImageError::Decode`] for a file that is too long.
+pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>, ImageError> {
+    let path = path.as_ref();
     let error = |source| ImageError::Read { path: path.to_owned(), source };
     let file = File::open(path).map_err(error)?;
+    // Growing would take twice the memory for a while.
+    let length = file.metadata().map_or(0, |metadata| metadata.len()).min(MAX_FILE);
     let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize).map_err(|_| error(std::io::ErrorKind::OutOfMemory.into()))?;
     file.take(MAX_FILE + 1).read_to_end(&mut bytes).map_err(error)?;
     if bytes.len() as u64 > MAX_FILE {
         let source = DecodeError::TooLarge { format: "picture", reason: format!("over {MAX_FILE} bytes") };

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
+use gnomon_messages::quoted;
 
 use crate::error::{DecodeError, ImageError};
-use crate::file::Decoded;
-use crate::picture::rec709_from_xyz;
+use crate::file::{Description, TexelSink};
+use crate::primaries::{Primaries, converted, from_xyz};
 use crate::{MAX_TEXELS, RgbImage, atomic};
 
 const FORMAT: &str = "Radiance";
@@ -22,19 +23,19 @@ fn malformed(reason: impl Into<String>) -> DecodeError {
     DecodeError::malformed(FORMAT, reason)
 }
 
-/// Whether the bytes begin like a Radiance picture.
+/// Whether the bytes begin like a Radiance picture: with `#?` and any word, or without that line with the format.
 pub fn sniff(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"#?RADIANCE") || bytes.starts_with(b"#?RGBE")
+    bytes.starts_with(b"#?") || bytes.starts_with(b"FORMAT=32-bit_rle_")
 }
 
 /// Decodes a Radiance picture: run-length codes old and new, uncompressed, RGBE and XYZE, all eight orientations.
 ///
-/// Texels are `mantissa * 2^(exponent - 136)`, exactly 0 for exponent 0, divided by the product of the `EXPOSURE` lines;
-/// an `EXPOSURE` that is not a positive finite number is ignored with a warning.
+/// Texels are `mantissa * 2^(exponent - 136)`, exactly 0 for exponent 0, divided by the products of the `EXPOSURE` and `COLORCORR`
+/// lines; colours of other `PRIMARIES` become Rec. 709. A line whose value makes no sense is ignored with a warning.
 ///
 /// # Errors
-/// [`DecodeError`] for a damaged or oversized file. Memory stays in proportion to the file's length.
-pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
+/// [`DecodeError`] for a damaged or oversized file. Memory stays in proportion to a scanline.
+pub fn decode(bytes: &[u8], sink: &mut dyn TexelSink) -> Result<Description, DecodeError> {
     let mut cursor = Cursor { bytes, at: 0 };
     let header = Header::read(&mut cursor)?;
     let layout = Layout::read(&mut cursor)?;
@@ -51,26 +52,33 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
         ));
     }
 
-    let mut texels = vec![Vec3::ZERO; texel_count as usize];
+    let (width, height) = layout.size();
+    sink.begin(width, height, None);
+    let matrix = header.matrix();
+    let scales = scales(header.exposure, header.correction);
     let mut scanline = vec![[0u8; 4]; layout.scanline_length as usize];
-    let scale = scales(header.exposure);
+    let mut colors = vec![Vec3::ZERO; scanline.len()];
     for index in 0..layout.scanlines {
         read_scanline(&mut cursor, &mut scanline)
             .map_err(|reason| malformed(format!("scanline {index}: {reason}")))?;
-        for (along, &rgbe) in (0..).zip(&scanline) {
-            texels[layout.position(index, along)] = header.color(rgbe, &scale);
+        for (color, &rgbe) in colors.iter_mut().zip(&scanline) {
+            *color = color_of(rgbe, &scales, matrix.as_ref());
         }
+        layout.hand_over(index, &mut colors, sink);
     }
-    let (width, height) = layout.size();
-    let image = RgbImage::from_texels(width, height, texels).ok_or_else(|| malformed("size"))?;
-    Ok(Decoded { image, format: FORMAT, environment: None, warnings: header.warnings })
+    let converted = header.primaries.filter(|_| matrix.is_some() && !header.xyz);
+    let details = converted.map(|primaries| primaries.told()).into_iter().collect();
+    Ok(Description { format: FORMAT, details, warnings: header.warnings })
 }
 
-/// Radiance of mantissa 1 for every exponent.
-fn scales(exposure: f64) -> [f64; 256] {
+/// Radiance of mantissa 1 for every exponent, by channel.
+type Scales = [[f64; 3]; 256];
+
+fn scales(exposure: f64, correction: Vec3) -> Scales {
+    let factors = correction.to_array().map(|factor| exposure * f64::from(factor));
     std::array::from_fn(|exponent| match exponent {
-        0 => 0.0,
-        _ => (exponent as f64 - 136.0).exp2() / exposure,
+        0 => [0.0; 3],
+        _ => factors.map(|factor| (exponent as f64 - 136.0).exp2() / factor),
     })
 }
 
@@ -118,17 +126,23 @@ const ENDS: &str = "the file ends here";
 
 struct Header {
     exposure: f64,
+    /// Product of the `COLORCORR` lines.
+    correction: Vec3,
     xyz: bool,
+    primaries: Option<Primaries>,
     warnings: Vec<String>,
 }
 
 impl Header {
     fn read(cursor: &mut Cursor) -> Result<Self, DecodeError> {
         if !sniff(cursor.bytes) {
-            return Err(malformed("it does not begin with #?RADIANCE or #?RGBE"));
+            return Err(malformed("it begins neither with #? nor with its FORMAT"));
         }
-        cursor.line()?;
-        let mut header = Self { exposure: 1.0, xyz: false, warnings: Vec::new() };
+        if cursor.bytes.starts_with(b"#?") {
+            cursor.line()?;
+        }
+        let mut header =
+            Self { exposure: 1.0, correction: Vec3::ONE, xyz: false, primaries: None, warnings: Vec::new() };
         loop {
             let line = cursor.line()?;
             if line.is_empty() {
@@ -142,38 +156,73 @@ impl Header {
                 Some(("FORMAT", "32-bit_rle_rgbe")) => header.xyz = false,
                 Some(("FORMAT", "32-bit_rle_xyze")) => header.xyz = true,
                 Some(("FORMAT", other)) => {
-                    let other: String = other.chars().take(40).collect();
-                    return Err(DecodeError::unsupported(FORMAT, format!("FORMAT={other}")));
+                    return Err(DecodeError::unsupported(FORMAT, format!("FORMAT={}", quoted(other))));
                 }
-                Some(("EXPOSURE", value)) => header.multiply_exposure(value),
+                Some((name @ "EXPOSURE", value)) => header.multiply_exposure(name, value),
+                Some((name @ "COLORCORR", value)) => header.multiply_correction(name, value),
+                Some((name @ "PRIMARIES", value)) => header.set_primaries(name, value),
                 _ => {}
             }
         }
         Ok(header)
     }
 
-    fn multiply_exposure(&mut self, value: &str) {
+    fn ignore(&mut self, name: &str, value: &str, what: &str) {
+        self.warnings.push(format!("{name}={} is no usable {what} and was ignored", quoted(value)));
+    }
+
+    fn multiply_exposure(&mut self, name: &str, value: &str) {
         let product = value.parse::<f64>().map_or(f64::NAN, |factor| self.exposure * factor);
         // Also refuses a product whose reciprocal leaves the range of a texel.
         if product > 1e-30 && product < 1e30 {
             self.exposure = product;
         } else {
-            let value: String = value.chars().take(40).collect();
-            self.warnings.push(format!("EXPOSURE={value} is not a usable factor and was ignored"));
+            self.ignore(name, value, "factor");
         }
     }
 
-    fn color(&self, rgbe: [u8; 4], scale: &[f64; 256]) -> Vec3 {
-        let scale = scale[usize::from(rgbe[3])];
-        let mantissa = |index: usize| ((f64::from(rgbe[index]) * scale).min(f64::from(f32::MAX))) as f32;
-        let color = Vec3::new(mantissa(0), mantissa(1), mantissa(2));
-        if self.xyz {
-            let limit = Vec3::splat(f32::MAX);
-            rec709_from_xyz(color).clamp(-limit, limit)
-        } else {
-            color
+    fn multiply_correction(&mut self, name: &str, value: &str) {
+        match numbers::<3>(value).map(|factors| self.correction * Vec3::from_array(factors)) {
+            Some(product) if product.min_element() > 1e-30 && product.max_element() < 1e30 => {
+                self.correction = product;
+            }
+            _ => self.ignore(name, value, "triple of factors"),
         }
     }
+
+    fn set_primaries(&mut self, name: &str, value: &str) {
+        let read = numbers(value).map(|[rx, ry, gx, gy, bx, by, wx, wy]: [f32; 8]| Primaries {
+            red: [rx, ry],
+            green: [gx, gy],
+            blue: [bx, by],
+            white: [wx, wy],
+        });
+        match read.filter(|primaries| primaries.rec709().is_some()) {
+            Some(primaries) => self.primaries = Some(primaries),
+            None => self.ignore(name, value, "set of chromaticities"),
+        }
+    }
+
+    /// What makes Rec. 709 of the file's colours, unless they are that already.
+    fn matrix(&self) -> Option<Mat3> {
+        if self.xyz {
+            return Some(from_xyz());
+        }
+        self.primaries.filter(|primaries| !primaries.is_rec709()).and_then(|primaries| primaries.rec709())
+    }
+}
+
+fn color_of(rgbe: [u8; 4], scales: &Scales, matrix: Option<&Mat3>) -> Vec3 {
+    let scale = &scales[usize::from(rgbe[3])];
+    let channel = |index: usize| (f64::from(rgbe[index]) * scale[index]).min(f64::from(f32::MAX)) as f32;
+    let color = Vec3::new(channel(0), channel(1), channel(2));
+    matrix.map_or(color, |matrix| converted(matrix, color))
+}
+
+/// As many numbers as are wanted, and nothing else.
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let numbers = text.split_ascii_whitespace().map(|word| word.parse().ok().filter(|n: &f32| n.is_finite()));
+    numbers.collect::<Option<Vec<f32>>>()?.try_into().ok()
 }
 
 fn is_resolution(line: &[u8]) -> bool {
@@ -194,10 +243,7 @@ struct Layout {
 impl Layout {
     fn read(cursor: &mut Cursor) -> Result<Self, DecodeError> {
         let line = String::from_utf8_lossy(cursor.line()?);
-        let wrong = || {
-            let shown: String = line.chars().take(60).collect();
-            malformed(format!("resolution '{shown}' is not like '-Y 512 +X 1024'"))
-        };
+        let wrong = || malformed(format!("resolution '{}' is not like '-Y 512 +X 1024'", quoted(&line)));
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let [major, scanlines, minor, length] = words[..] else { return Err(wrong()) };
         let number = |word: &str| word.parse::<u32>().ok().filter(|&n| n > 0 && !word.starts_with('+'));
@@ -225,13 +271,21 @@ impl Layout {
         }
     }
 
-    /// Place in the row-major picture of a scanline's texel.
-    fn position(&self, scanline: u32, along: u32) -> usize {
+    /// Gives a scanline away, turned round where it runs so.
+    fn hand_over(&self, scanline: u32, colors: &mut [Vec3], sink: &mut dyn TexelSink) {
         let (width, height) = self.size();
-        let (x, y) = if self.columns { (scanline, along) } else { (along, scanline) };
-        let x = if self.columns_left { width - 1 - x } else { x };
-        let y = if self.rows_up { height - 1 - y } else { y };
-        y as usize * width as usize + x as usize
+        let is_backwards = if self.columns { self.rows_up } else { self.columns_left };
+        if is_backwards {
+            colors.reverse();
+        }
+        if self.columns {
+            let x = if self.columns_left { width - 1 - scanline } else { scanline };
+            for (y, color) in (0..).zip(&*colors) {
+                sink.texels(x, y, std::slice::from_ref(color));
+            }
+        } else {
+            sink.texels(0, if self.rows_up { height - 1 - scanline } else { scanline }, colors);
+        }
     }
 }
 

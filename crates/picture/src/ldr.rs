@@ -7,7 +7,7 @@ use glam::Vec3;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat, ImageReader, Limits};
 
 use crate::error::{DecodeError, ImageError};
-use crate::file::Decoded;
+use crate::file::{Description, TexelSink};
 use crate::tonemap::{srgb_decode, srgb_encode};
 use crate::{MAX_TEXELS, RgbImage, atomic};
 
@@ -28,19 +28,24 @@ pub fn sniff_jpeg(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// [`DecodeError`] for a damaged or oversized file.
-pub fn decode_png(bytes: &[u8]) -> Result<Decoded, DecodeError> {
-    decode(bytes, ImageFormat::Png, "PNG")
+pub fn decode_png(bytes: &[u8], sink: &mut dyn TexelSink) -> Result<Description, DecodeError> {
+    decode(bytes, ImageFormat::Png, "PNG", sink)
 }
 
 /// Decodes a JPEG picture from sRGB to linear.
 ///
 /// # Errors
 /// [`DecodeError`] for a damaged or oversized file.
-pub fn decode_jpeg(bytes: &[u8]) -> Result<Decoded, DecodeError> {
-    decode(bytes, ImageFormat::Jpeg, "JPEG")
+pub fn decode_jpeg(bytes: &[u8], sink: &mut dyn TexelSink) -> Result<Description, DecodeError> {
+    decode(bytes, ImageFormat::Jpeg, "JPEG", sink)
 }
 
-fn decode(bytes: &[u8], kind: ImageFormat, format: &'static str) -> Result<Decoded, DecodeError> {
+fn decode(
+    bytes: &[u8],
+    kind: ImageFormat,
+    format: &'static str,
+    sink: &mut dyn TexelSink,
+) -> Result<Description, DecodeError> {
     let reader = || ImageReader::with_format(Cursor::new(bytes), kind);
     let (width, height) = reader().into_dimensions().map_err(|error| from_image(&error, format))?;
     if u64::from(width) * u64::from(height) > MAX_TEXELS {
@@ -54,23 +59,35 @@ fn decode(bytes: &[u8], kind: ImageFormat, format: &'static str) -> Result<Decod
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
     let picture = reader.decode().map_err(|error| from_image(&error, format))?;
-    let texels: Vec<Vec3> = match picture {
+    if (picture.width(), picture.height()) != (width, height) {
+        return Err(DecodeError::malformed(format, "its size changed while it was read"));
+    }
+    sink.begin(width, height, None);
+    let mut row = Vec::with_capacity(width as usize);
+    let mut hand_over = |y: u32, texels: &mut dyn Iterator<Item = Vec3>| {
+        row.clear();
+        row.extend(texels);
+        sink.texels(0, y, &row);
+    };
+    match picture {
         DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_)
         | DynamicImage::ImageRgb16(_)
         | DynamicImage::ImageRgba16(_) => {
             let decode = |code: u16| srgb_decode(f32::from(code) / 65535.0);
-            picture.to_rgb16().pixels().map(|pixel| Vec3::from_array(pixel.0.map(decode))).collect()
+            for (y, pixels) in (0..).zip(picture.into_rgb16().rows()) {
+                hand_over(y, &mut pixels.map(|pixel| Vec3::from_array(pixel.0.map(decode))));
+            }
         }
         _ => {
             let table: [f32; 256] = std::array::from_fn(|code| srgb_decode(code as f32 / 255.0));
             let decode = |code: u8| table[usize::from(code)];
-            picture.to_rgb8().pixels().map(|pixel| Vec3::from_array(pixel.0.map(decode))).collect()
+            for (y, pixels) in (0..).zip(picture.into_rgb8().rows()) {
+                hand_over(y, &mut pixels.map(|pixel| Vec3::from_array(pixel.0.map(decode))));
+            }
         }
-    };
-    let image = RgbImage::from_texels(width, height, texels)
-        .ok_or_else(|| DecodeError::malformed(format, "its size changed while it was read"))?;
-    Ok(Decoded { image, format, environment: None, warnings: Vec::new() })
+    }
+    Ok(Description { format, details: Vec::new(), warnings: Vec::new() })
 }
 
 fn from_image(error: &image::ImageError, format: &'static str) -> DecodeError {

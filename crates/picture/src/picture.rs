@@ -71,6 +71,18 @@ impl RgbImage {
         &mut self.texels
     }
 
+    /// The texels of row `y`.
+    pub fn row(&self, y: u32) -> &[Vec3] {
+        let width = self.width as usize;
+        &self.texels[y as usize * width..][..width]
+    }
+
+    /// The same, to change them.
+    pub fn row_mut(&mut self, y: u32) -> &mut [Vec3] {
+        let width = self.width as usize;
+        &mut self.texels[y as usize * width..][..width]
+    }
+
     fn index(&self, x: u32, y: u32) -> usize {
         debug_assert!(x < self.width && y < self.height);
         y as usize * self.width as usize + x as usize

@@ -4,7 +4,9 @@
 use std::path::PathBuf;
 
 use glam::Vec3;
-use gnomon_picture::{DecodeError, EnvironmentAttribute, RgbImage, decode, exr, read};
+use gnomon_picture::{
+    DecodeError, EnvironmentAttribute, RgbImage, TexelSink, decode, decode_into, exr, read,
+};
 use gnomon_testing::data_file;
 use proptest::prelude::*;
 
@@ -115,12 +117,131 @@ fn with_channels(names: &[&str], offset: i32, display: (usize, usize)) -> Vec<u8
     bytes.into_inner()
 }
 
+/// A file of several parts, each with a name and channels; sample `i` of channel `n` of part `p` is `100 p + 10 n + i`.
+fn with_parts(parts: &[(&str, &[&str])]) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let layer = |(part, (name, channels)): (usize, &(&str, &[&str]))| {
+        let channel = |(index, name): (usize, &&str)| {
+            let values = (0..8).map(|i| (100 * part + 10 * index + i) as f32).collect();
+            AnyChannel::new(*name, FlatSamples::F32(values))
+        };
+        let channels = AnyChannels::sort(channels.iter().enumerate().map(channel).collect());
+        Layer::new((4, 2), LayerAttributes::named(*name), Encoding::UNCOMPRESSED, channels)
+    };
+    let layers: Vec<_> = parts.iter().enumerate().map(layer).collect();
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(Vec2(4, 2)));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    Image::from_layers(attributes, layers).write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+/// First texel and warnings, or the error.
+fn first_texel(bytes: &[u8], layer: Option<&str>) -> Result<([f32; 3], usize), String> {
+    struct First([f32; 3]);
+    impl TexelSink for First {
+        fn begin(&mut self, _: u32, _: u32, _: Option<EnvironmentAttribute>) {}
+        fn texels(&mut self, x: u32, y: u32, texels: &[Vec3]) {
+            if (x, y) == (0, 0) {
+                self.0 = texels[0].to_array();
+            }
+        }
+    }
+    let mut first = First([f32::NAN; 3]);
+    let description = decode_into(bytes, layer, &mut first).map_err(|error| error.to_string())?;
+    Ok((first.0, description.warnings.len()))
+}
+
 #[test]
-fn channels_are_found_by_name_and_single_ones_are_grey() {
-    let image = |names: &[&str]| decode(&with_channels(names, 0, (4, 2))).unwrap().image;
-    assert_eq!(image(&["A", "B", "G", "R"]).get(1, 0), Vec3::new(31.0, 21.0, 11.0));
-    assert_eq!(image(&["Y"]).get(3, 1), Vec3::splat(7.0));
-    assert_eq!(image(&["depth"]).get(2, 0), Vec3::splat(2.0));
+fn the_layer_that_is_plainly_the_picture_is_found() {
+    let plain = |channels: &[&str]| first_texel(&with_channels(channels, 0, (4, 2)), None);
+    let found =
+        |r: usize, g: usize, b: usize, warnings: usize| Ok(([r, g, b].map(|n| 10.0 * n as f32), warnings));
+    assert_eq!(plain(&["A", "B", "G", "R"]), found(3, 2, 1, 0));
+    assert_eq!(plain(&["a", "b", "g", "r"]), found(3, 2, 1, 0));
+    assert_eq!(plain(&["Blue", "GREEN", "red"]), found(2, 1, 0, 0));
+    assert_eq!(
+        plain(&[
+            "View Layer.Combined.A",
+            "View Layer.Combined.B",
+            "View Layer.Combined.G",
+            "View Layer.Combined.R"
+        ]),
+        found(3, 2, 1, 0)
+    );
+    // With others beside it.
+    assert_eq!(plain(&["B", "G", "R", "diffuse.B", "diffuse.G", "diffuse.R"]), found(2, 1, 0, 0));
+    assert_eq!(
+        plain(&[
+            "L.Combined.B",
+            "L.Combined.G",
+            "L.Combined.R",
+            "L.Diff.B",
+            "L.Diff.G",
+            "L.Diff.R",
+            "L.Depth.Z"
+        ]),
+        found(2, 1, 0, 0)
+    );
+    // The compositor's picture before what it is made of.
+    assert_eq!(
+        plain(&[
+            "Composite.Combined.B",
+            "Composite.Combined.G",
+            "Composite.Combined.R",
+            "L.Combined.B",
+            "L.Combined.G",
+            "L.Combined.R"
+        ]),
+        found(2, 1, 0, 0)
+    );
+    // Luminance, and the only channel, are grey, which is said.
+    assert_eq!(plain(&["Y"]), found(0, 0, 0, 1));
+    assert_eq!(plain(&["A", "Y", "Z"]), found(1, 1, 1, 1));
+    assert_eq!(plain(&["depth"]), found(0, 0, 0, 1));
+}
+
+#[test]
+fn where_no_layer_is_plainly_the_picture_those_there_are_told() {
+    let plain = |channels: &[&str]| first_texel(&with_channels(channels, 0, (4, 2)), None).unwrap_err();
+    let lit = ["diffuse.B", "diffuse.G", "diffuse.R", "glossy.B", "glossy.G", "glossy.R"];
+    let error = plain(&lit);
+    assert!(error.contains("diffuse, glossy") && error.contains("--env-layer"), "{error}");
+    let error = plain(&["A", "Z"]);
+    assert!(error.contains("A, Z"), "{error}");
+    assert!(plain(&["G", "R"]).contains("G, R"));
+    // Two view layers.
+    let two = [
+        "V1.Combined.B",
+        "V1.Combined.G",
+        "V1.Combined.R",
+        "V2.Combined.B",
+        "V2.Combined.G",
+        "V2.Combined.R",
+    ];
+    assert!(plain(&two).contains("V1.Combined, V2.Combined"));
+
+    let named = |channels: &[&str], name| first_texel(&with_channels(channels, 0, (4, 2)), Some(name));
+    assert_eq!(named(&lit, "Glossy"), Ok(([50.0, 40.0, 30.0], 0)));
+    assert_eq!(named(&two, "V2.Combined"), Ok(([50.0, 40.0, 30.0], 0)));
+    assert_eq!(named(&["A", "Z"], "Z"), Ok(([10.0; 3], 1)));
+    assert_eq!(named(&["B", "G", "L.Depth.Z", "R"], "L.Depth"), Ok(([20.0; 3], 1)));
+    let error = named(&lit, "nothing\nhere").unwrap_err();
+    assert!(error.contains("diffuse, glossy") && error.lines().count() == 1, "{error}");
+    assert!(first_texel(b"#?RADIANCE", Some("x")).unwrap_err().contains("Radiance"));
+}
+
+#[test]
+fn of_several_parts_the_one_with_colours_is_read() {
+    let rgb: &[&str] = &["B", "G", "R"];
+    let depth_first = with_parts(&[("depth", &["Z"]), ("picture", rgb)]);
+    assert_eq!(first_texel(&depth_first, None), Ok(([120.0, 110.0, 100.0], 0)));
+    let two = with_parts(&[("left", rgb), ("right", rgb)]);
+    assert_eq!(first_texel(&two, None), Ok(([20.0, 10.0, 0.0], 1)));
+    assert_eq!(first_texel(&two, Some("right")), Ok(([120.0, 110.0, 100.0], 0)));
+    let combined: &[&str] = &["L.Combined.B", "L.Combined.G", "L.Combined.R"];
+    let blender = with_parts(&[("L.Diffuse", rgb), ("L.Combined", combined)]);
+    assert_eq!(first_texel(&blender, None), Ok(([120.0, 110.0, 100.0], 0)));
+    assert_eq!(first_texel(&depth_first, Some("depth.Z")), Ok(([0.0; 3], 1)));
 }
 
 #[test]
@@ -234,4 +355,62 @@ fn no_damage_panics_or_allocates_without_bound() {
         }
     }
     assert!(peak_memory().is_none_or(|bytes| bytes < 2 << 30));
+}
+
+/// 4 x 4 texels of luminance 1 to 16 and chroma of every second texel across and down, uncompressed, as the format's specification has it.
+fn luminance_chroma(ry: f32, by: f32) -> Vec<u8> {
+    let mut bytes = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let attribute = |bytes: &mut Vec<u8>, name: &str, kind: &str, value: &[u8]| {
+        bytes.extend(name.bytes().chain([0]).chain(kind.bytes()).chain([0]));
+        bytes.extend((value.len() as i32).to_le_bytes());
+        bytes.extend(value);
+    };
+    let numbers = |numbers: &[i32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let floats = |floats: &[f32]| floats.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let mut channels = Vec::new();
+    for (name, step) in [("BY", 2), ("RY", 2), ("Y", 1)] {
+        channels.extend(name.bytes().chain([0]));
+        channels.extend(numbers(&[2, 0, step, step]));
+    }
+    channels.push(0);
+    attribute(&mut bytes, "channels", "chlist", &channels);
+    attribute(&mut bytes, "compression", "compression", &[0]);
+    attribute(&mut bytes, "dataWindow", "box2i", &numbers(&[0, 0, 3, 3]));
+    attribute(&mut bytes, "displayWindow", "box2i", &numbers(&[0, 0, 3, 3]));
+    attribute(&mut bytes, "lineOrder", "lineOrder", &[0]);
+    attribute(&mut bytes, "pixelAspectRatio", "float", &floats(&[1.0]));
+    attribute(&mut bytes, "screenWindowCenter", "v2f", &floats(&[0.0, 0.0]));
+    attribute(&mut bytes, "screenWindowWidth", "float", &floats(&[1.0]));
+    bytes.push(0);
+    let row = |y: i32| {
+        let chroma = if y % 2 == 0 { floats(&[by, by, ry, ry]) } else { Vec::new() };
+        let luminance: Vec<f32> = (1..=4).map(|x| (4 * y + x) as f32).collect();
+        let data = [chroma, floats(&luminance)].concat();
+        [numbers(&[y, data.len() as i32]), data].concat()
+    };
+    let mut at = bytes.len() + 4 * 8;
+    for y in 0..4 {
+        bytes.extend((at as u64).to_le_bytes());
+        at += row(y).len();
+    }
+    (0..4).for_each(|y| bytes.extend(row(y)));
+    bytes
+}
+
+#[test]
+fn chroma_of_every_second_texel_becomes_colour() {
+    let image = decode(&luminance_chroma(0.5, -0.25)).unwrap().image;
+    for (y, x) in (0..4).flat_map(|y| (0..4).map(move |x| (y, x))) {
+        let luminance = (4 * y + x + 1) as f32;
+        let (r, b) = (1.5 * luminance, 0.75 * luminance);
+        let g = (luminance - 0.2126 * r - 0.0722 * b) / 0.7152;
+        // The filter's weights sum to 1 within 2e-5.
+        let off = (image.get(x, y) - Vec3::new(r, g, b)).abs().max_element();
+        assert!(off < 1e-4 * luminance, "{x} {y}: {}", image.get(x, y));
+    }
+    // Without chroma exactly grey.
+    assert_eq!(decode(&luminance_chroma(0.0, 0.0)).unwrap().image.get(3, 3), Vec3::splat(16.0));
+    // Cut off anywhere, an error.
+    let bytes = luminance_chroma(0.5, -0.25);
+    (0..bytes.len()).for_each(|length| assert!(decode(&bytes[..length]).is_err(), "{length}"));
 }

@@ -150,6 +150,34 @@ fn exposure_lines_multiply_and_unusable_ones_are_ignored_aloud() {
 }
 
 #[test]
+fn colour_corrections_and_primaries_count_and_unusable_ones_are_ignored_aloud() {
+    let first = |header: &str| {
+        let decoded = decode(&file(header, "-Y 2 +X 3", &six())).unwrap();
+        (decoded.image.get(0, 0), decoded.warnings.len())
+    };
+    let (plain, _) = first("");
+    assert_eq!(first("COLORCORR= 2 0.5 1\nCOLORCORR=1 1 4\n"), (plain * Vec3::new(0.5, 2.0, 0.25), 0));
+    for bad in ["COLORCORR=1 1\n", "COLORCORR=0 1 1\n", "PRIMARIES=1 2 3\n", "PRIMARIES=0 0 0 0 0 0 0 0\n"] {
+        assert_eq!(first(bad), (plain, 1), "{bad}");
+    }
+    // Those of Rec. 709 change nothing; Radiance's own keep grey grey.
+    assert_eq!(first("PRIMARIES= 0.640 0.330 0.300 0.600 0.150 0.060 0.3127 0.3290\n"), (plain, 0));
+    let own = "PRIMARIES= 0.640 0.330 0.290 0.600 0.150 0.060 0.3333 0.3333\n";
+    let grey = decode(&file(own, "-Y 1 +X 1", &[128, 128, 128, 129])).unwrap().image.get(0, 0);
+    assert!((grey - 1.0).abs().max_element() < 1e-5, "{grey}");
+}
+
+#[test]
+fn a_header_may_begin_with_any_word_or_none() {
+    for start in ["#?AUTOPANO11\n", "#?\n", "#?rgbe by hand\n", ""] {
+        let mut bytes = format!("{start}FORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 3\n").into_bytes();
+        bytes.extend(six());
+        assert_eq!(reds(&decode(&bytes).unwrap().image)[5], 15.0, "{start}");
+    }
+    assert!(matches!(error(b"# made by hand\n\n-Y 2 +X 3\n"), DecodeError::UnknownFormat { .. }));
+}
+
+#[test]
 fn the_least_and_the_largest_texels_are_finite() {
     let decoded = decode(&file("", "-Y 1 +X 3", &[255, 255, 255, 255, 1, 1, 0, 1, 9, 9, 9, 0])).unwrap();
     assert_eq!(decoded.image.get(0, 0).x, 255.0 * 2f32.powi(119));

@@ -28,7 +28,7 @@ impl Tracer<'_> {
     /// One unbiased estimate of the radiance that arrives along a camera ray.
     pub(crate) fn radiance(&self, ray: &Ray, sequence: &Sequence, index: u32) -> Vec3 {
         let Some(hit) = self.scene.closest_hit(ray) else {
-            return self.background.map_or(Vec3::ZERO, |map| map.lookup(ray.direction));
+            return self.background.map_or(Vec3::ZERO, |map| map.seen(ray.direction));
         };
         let wo = -ray.direction;
         let point = self.scene.hit_point(&hit, wo);

@@ -1,6 +1,6 @@
 use glam::{Mat3, Vec3, Vec3A};
 use gnomon_brdf::{Frame, Surface};
-use gnomon_scene::{AlphaMode, MeshId, Scene, WorldVertices, normal_matrix};
+use gnomon_scene::{MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -105,13 +105,13 @@ impl<'a> TracedScene<'a> {
             // Deformed vertices are in world space already.
             let (normal_from_mesh, handedness) = match deformed {
                 Some(_) => (Mat3::IDENTITY, 1.0),
-                None => (normal_matrix(&world_from_mesh), world_from_mesh.matrix3.determinant().signum()),
+                None => (normal_matrix(&world_from_mesh), mirror_sign(&world_from_mesh)),
             };
             instances.push(Instance {
                 mesh: placed.mesh,
                 normal_from_mesh,
                 handedness,
-                has_holes: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
+                has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
                 deformed,
             });
         }

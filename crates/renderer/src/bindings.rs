@@ -7,6 +7,9 @@ use gnomon_shaders::layout::{self, Shared};
 
 use crate::{Gpu, RenderError};
 
+/// Bytes of a large texture that are on their way at a time.
+const PART_BYTES: usize = 1 << 25;
+
 /// One binding of a layout.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Binding {
@@ -268,12 +271,39 @@ impl Gpu {
         [width, height]: [u32; 2],
         bytes: &[u8],
     ) {
+        self.write_rows(texture, [mip_level, layer, 0], [width, height], bytes);
+    }
+
+    /// The same of a large texture without levels, part by part, so that copies on the way to the device stay small.
+    pub(crate) fn write_texture_in_parts(
+        &self,
+        texture: &wgpu::Texture,
+        [width, height]: [u32; 2],
+        bytes: &[u8],
+    ) {
+        let row = bytes.len() / height.max(1) as usize;
+        let rows = (PART_BYTES / row.max(1)).max(1);
+        for (part, bytes) in bytes.chunks(rows * row.max(1)).enumerate() {
+            let size = [width, (bytes.len() / row.max(1)) as u32];
+            self.write_rows(texture, [0, 0, (part * rows) as u32], size, bytes);
+            // What was copied is let go once it has arrived.
+            self.queue.submit([]);
+        }
+    }
+
+    fn write_rows(
+        &self,
+        texture: &wgpu::Texture,
+        [mip_level, layer, y]: [u32; 3],
+        [width, height]: [u32; 2],
+        bytes: &[u8],
+    ) {
         self.count_upload(bytes);
         self.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
                 mip_level,
-                origin: wgpu::Origin3d { z: layer, ..wgpu::Origin3d::ZERO },
+                origin: wgpu::Origin3d { x: 0, y, z: layer },
                 aspect: wgpu::TextureAspect::All,
             },
             bytes,

@@ -27,7 +27,13 @@ impl ComposePass {
         let mut environment = vec![(0, Binding::Uniform)];
         environment.extend((1..=5).map(|binding| (binding, Binding::LOADED)));
         let layers = Binding::Texture { dimension: D2_ARRAY, filterable: false };
-        environment.extend([(6, Binding::Uniform), (7, layers), (8, layers), (9, Binding::Uniform)]);
+        environment.extend([
+            (6, Binding::Uniform),
+            (7, layers),
+            (8, layers),
+            (9, Binding::Uniform),
+            (10, Binding::LOADED),
+        ]);
         let environment_layout = gpu.layout("environment", compute, &environment);
         let module = gpu.shader("compose", &[("composite", compositing.module)])?;
         let groups = [
@@ -60,6 +66,7 @@ impl ComposePass {
         let layers = &cache.maps;
         resources.extend((7..).zip(layers).map(|(i, map)| (i, wgpu::BindingResource::TextureView(map))));
         resources.push((9, lighting.emitters.as_entire_binding()));
+        resources.push((10, wgpu::BindingResource::TextureView(&lighting.background)));
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 

@@ -34,7 +34,7 @@ pub(crate) struct DrawRange {
 
 fn is_masked(scene: &Scene, mesh: &Mesh) -> bool {
     let material = mesh.material.and_then(|material| scene.materials.get(material.0));
-    material.is_some_and(|material| matches!(material.alpha_mode, AlphaMode::Mask { .. }))
+    material.is_some_and(|material| material.alpha_mode.cutoff().is_some())
 }
 
 /// The scene's triangles on the GPU: as they lie in their meshes, and in world space after the frame's first pass.

@@ -17,6 +17,7 @@ mod deformation;
 mod error;
 mod gbuffer;
 mod geometry;
+mod gloss;
 mod gpu;
 mod ground;
 mod irradiance;
@@ -45,6 +46,7 @@ mod view_slices;
 
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
+pub use gloss::GlossPath;
 #[cfg(not(target_arch = "wasm32"))]
 pub use gpu::list_adapters;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions};

@@ -174,6 +174,11 @@ impl LightBatches {
         self.sum_scales
     }
 
+    /// The first list of points that any light is summed at.
+    pub fn first_list(&self) -> usize {
+        self.classes.iter().map(|class| class.needs.points).min().unwrap_or(0)
+    }
+
     /// Whether the plan holds for so much room for points and so many slices of the view.
     pub fn is_planned_for(&self, points: u64, slice_count: usize) -> bool {
         let has_slices = self.sliced.is_empty() || slice_count <= self.slice_count;

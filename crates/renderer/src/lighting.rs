@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use glam::{Quat, Vec3, Vec4};
-use gnomon_envmap::{Equirect, PrefilteredMap, Sh9};
+use gnomon_envmap::{Backdrop, Equirect, PrefilteredMap, Sh9};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;
 use gnomon_shaders::layout;
@@ -29,8 +29,10 @@ pub struct PreparedLighting {
     stands_alone: bool,
     points: Arc<[LightPoints]>,
     map: Arc<Equirect>,
+    peak: f32,
     full_sh: [Vec4; 9],
     background: Vec<Equirect>,
+    backdrop: Option<Arc<Backdrop>>,
     seen: Option<Equirect>,
     irradiance: Irradiance,
     prefiltered_full: Vec<Equirect>,
@@ -57,8 +59,10 @@ impl PreparedLighting {
         Ok(Self {
             ambient: method,
             ambient_cells,
+            peak: map.radiance().texels().iter().fold(0.0, |peak, texel| texel.max_element().max(peak)),
             full_sh: spherical_harmonics(map),
             background: mip_levels(map),
+            backdrop: map.backdrop().cloned(),
             irradiance: Irradiance::new(map),
             prefiltered_full: prefiltered(map),
             rest: PreparedRest::new(&ambient.residual),
@@ -108,14 +112,17 @@ pub(crate) struct Lighting {
     pub stands_alone: bool,
     /// The environment, as far as its lights' points ask for it.
     map: Arc<Equirect>,
+    /// Largest component of its radiance.
+    pub peak: f32,
     /// Where the light of each of the lights comes from, in its own frame, where they stand for the parts of the map that they cover.
     pub points: Arc<[LightPoints]>,
     pub residual_sh: [Vec4; 9],
     pub full_sh: [Vec4; 9],
     /// The environment with mip levels.
     pub background: wgpu::TextureView,
-    /// What is behind the scene.
+    /// What is behind the scene, and the radiance of a 1 in there.
     pub seen: wgpu::TextureView,
+    pub seen_scale: f32,
     /// [`layout::Emitters`] of the whole environment, and the irradiance of all else over the sphere of normals.
     pub emitters: wgpu::Buffer,
     pub irradiance_rest: wgpu::TextureView,
@@ -138,14 +145,17 @@ impl Lighting {
                 adapter: gpu.adapter().name.clone(),
             });
         }
+        let background = upload_maps(gpu, "background", &prepared.background);
+        let backdrop = prepared.seen.as_ref().map_or(prepared.backdrop, |seen| seen.backdrop().cloned());
+        let (seen, seen_scale) = match (backdrop, prepared.seen) {
+            (Some(backdrop), _) => upload_backdrop(gpu, backdrop),
+            (None, Some(seen)) => (upload_maps(gpu, "seen", &[seen]), 1.0),
+            (None, None) => (background.clone(), 1.0),
+        };
         let unit = |i: u32| i as f32 / (DFG_SIZE - 1) as f32;
         let dfg =
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
-        let background = upload_maps(gpu, "background", &prepared.background);
-        let seen = prepared.seen.map(|map| upload_maps(gpu, "seen", &[map]));
         Ok(Self {
-            seen: seen.unwrap_or_else(|| background.clone()),
-            background,
             lights: prepared.lights.clone(),
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
@@ -153,8 +163,12 @@ impl Lighting {
             stands_alone: prepared.stands_alone,
             points: prepared.points,
             map: prepared.map,
+            peak: prepared.peak,
             residual_sh: prepared.rest.sh,
             full_sh: prepared.full_sh,
+            background,
+            seen,
+            seen_scale,
             emitters: upload_emitters(gpu, &prepared.irradiance.emitters),
             irradiance_rest: upload(gpu, "irradiance", &[prepared.irradiance.rest]),
             prefiltered_full: upload_maps(gpu, "prefiltered", &prepared.prefiltered_full),
@@ -245,6 +259,19 @@ fn upload<'a>(gpu: &Gpu, label: &str, levels: impl IntoIterator<Item = &'a RgbIm
         gpu.write_texture(&texture, [i, 0], [level.width(), level.height()], bytemuck::cast_slice(&texels));
     }
     texture.create_view(&Default::default())
+}
+
+/// Uploads a backdrop as large as the adapter's textures may be, with the radiance of a 1 in there.
+fn upload_backdrop(gpu: &Gpu, mut backdrop: Arc<Backdrop>) -> (wgpu::TextureView, f32) {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    while backdrop.width().max(backdrop.height()) > limit {
+        backdrop = Arc::new(backdrop.halved());
+    }
+    let [width, height] = [backdrop.width(), backdrop.height()];
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = gpu.texture("backdrop", [width, height, 1], 1, wgpu::TextureFormat::Rgb9e5Ufloat, usage);
+    gpu.write_texture_in_parts(&texture, [width, height], bytemuck::cast_slice(backdrop.texels()));
+    (texture.create_view(&Default::default()), backdrop.scale())
 }
 
 fn upload_emitters(gpu: &Gpu, emitters: &[layout::Emitter]) -> wgpu::Buffer {

@@ -49,7 +49,7 @@ pub struct Renderer {
     passes: Passes,
     geometry: Geometry,
     materials: Materials,
-    /// Where the shadow technique traces rays.
+    /// Where shadow technique or gloss trace rays.
     ray_scene: Option<RayScene>,
     near_lights: Vec<PlacedLight>,
     /// Of every material.

@@ -6,6 +6,7 @@ use gnomon_shaders::layout::CachedLobe;
 use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
 use crate::composite::{self, Compositing};
+use crate::gloss::GlossPath;
 use crate::shadow::{self, ShadowSettings, Techniques, VisibilityPath};
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
@@ -76,6 +77,10 @@ settings! {
         compositing: String = "ratio".to_owned(), choice(composite::choices).under(COMPOSITING);
         /// Where unshadowed light comes from.
         unshadowed: String = "auto".to_owned(), choice(unshadowed::choices).under(COMPOSITING);
+        /// How glossy surfaces learn what the scene hides of their reflections.
+        gloss: GlossPath = GlossPath::default(), choice(GlossPath::choices).under(COMPOSITING);
+        /// Rays of a glossy lobe at a point; four times as many samples are taken of unshadowed light.
+        gloss_samples: u32 = 64, whole(1, 256).under(COMPOSITING);
         /// Texels along each side of a lobe's map in the radiance cache.
         radiance_cache_resolution: u32 = 128, whole(16, 1024).under(COMPOSITING);
         /// Samples of a lobe for every texel of the radiance cache.

@@ -16,6 +16,8 @@ pub struct Unshadowed {
     pub summary: &'static str,
     /// Matte surfaces take nine spherical harmonics instead of the irradiance map.
     pub(crate) spherical_harmonics: bool,
+    /// Glossy lobes are sampled at every pixel.
+    pub(crate) samples_lobes: bool,
     /// Lobes that the prefiltered environment is right for take the radiance cache instead.
     pub(crate) caches_prefiltered: bool,
 }
@@ -25,7 +27,7 @@ impl Unshadowed {
     pub(crate) fn cached_lobes(&self, surfaces: &[Surface]) -> Vec<CachedLobe> {
         let mut lobes: Vec<CachedLobe> = Vec::new();
         for surface in surfaces {
-            let cached = self.caches_prefiltered || !surface.model.is_prefiltered();
+            let cached = !self.samples_lobes && (self.caches_prefiltered || !surface.model.is_prefiltered());
             let lobe = CachedLobe { model: surface.model as u32, shape: surface.shape() };
             if cached && !surface.is_matte() && !lobes.contains(&lobe) {
                 lobes.push(lobe);
@@ -39,20 +41,30 @@ impl Unshadowed {
 pub const UNSHADOWED: &[Unshadowed] = &[
     Unshadowed {
         name: "auto",
+        summary: "irradiance map; for gloss few samples of the lobe at every pixel, each of its own mip level (Krivanek and Colbert 2008)",
+        spherical_harmonics: false,
+        samples_lobes: true,
+        caches_prefiltered: false,
+    },
+    Unshadowed {
+        name: "prefiltered",
         summary: "irradiance map; for GGX the prefiltered environment, for other lobes a radiance cache made every frame",
         spherical_harmonics: false,
+        samples_lobes: false,
         caches_prefiltered: false,
     },
     Unshadowed {
         name: "sh",
         summary: "irradiance from nine spherical harmonics (Ramamoorthi and Hanrahan 2001), else as auto",
         spherical_harmonics: true,
+        samples_lobes: true,
         caches_prefiltered: false,
     },
     Unshadowed {
         name: "cache",
         summary: "a radiance cache made every frame for every lobe (DeCoro and Rusinkiewicz 2008)",
         spherical_harmonics: false,
+        samples_lobes: false,
         caches_prefiltered: true,
     },
 ];

@@ -8,17 +8,23 @@ use gnomon_scene::{Ground, Scene};
 
 use crate::error::Fault;
 
+mod axes;
 mod camera;
+mod color;
 mod error;
 mod geometry;
 mod gltf;
 mod mtl;
 mod obj;
 mod ply;
+mod polygon;
 mod resolver;
+mod stl;
+mod text;
 mod texture;
 mod toml;
 
+pub use axes::{Axes, UNITS, UpAxis};
 pub use camera::read_camera;
 pub use error::SceneFileError;
 pub use resolver::{FileResolver, ReadError, Resolver};
@@ -33,16 +39,19 @@ pub struct Format {
     pub extensions: &'static [&'static str],
     /// The ground under a scene of this format unless the user says otherwise.
     pub default_ground: Ground,
+    /// Whether its files say what their axes and unit are.
+    pub has_axes: bool,
     /// Whether the content starts the way only this format does.
     recognise: fn(&[u8]) -> bool,
     read: fn(&Source, &mut Budget) -> Result<LoadedScene, Fault>,
 }
 
-static FORMATS: [Format; 4] = [
+static FORMATS: [Format; 5] = [
     Format {
         name: "glTF 2.0",
         extensions: &["glb", "gltf"],
         default_ground: Ground::None,
+        has_axes: true,
         recognise: gltf::recognise,
         read: gltf::read,
     },
@@ -50,6 +59,7 @@ static FORMATS: [Format; 4] = [
         name: "OBJ",
         extensions: &["obj"],
         default_ground: Ground::Plane,
+        has_axes: false,
         recognise: |_| false,
         read: obj::read,
     },
@@ -57,13 +67,23 @@ static FORMATS: [Format; 4] = [
         name: "PLY",
         extensions: &["ply"],
         default_ground: Ground::Plane,
+        has_axes: false,
         recognise: ply::recognise,
         read: ply::read,
+    },
+    Format {
+        name: "STL",
+        extensions: &["stl"],
+        default_ground: Ground::Plane,
+        has_axes: false,
+        recognise: |_| false,
+        read: stl::read,
     },
     Format {
         name: "Gnomon scene",
         extensions: &["toml"],
         default_ground: Ground::None,
+        has_axes: false,
         recognise: |_| false,
         read: toml::read,
     },
@@ -80,13 +100,18 @@ pub struct LoadOptions {
     /// Bytes that files, geometry and textures of one scene may take together; beyond it loading ends in
     /// [`SceneFileError::TooLarge`].
     pub memory_limit: usize,
-    /// Width over height of the picture to be made, for glTF cameras that give a vertical field of view only.
+    /// Width over height of the picture to be made, for glTF cameras: what they show is all in it.
     pub aspect: f32,
+    /// The material variant to be shown of glTF files that have it, by its name; it goes before what a scene file says.
+    pub variant: Option<String>,
+    /// Axes and unit of files that do not say: of OBJ, PLY and STL files, and of those that a scene file places. They go before what a scene
+    /// file says of all its models, but not before what it says of one.
+    pub axes: Axes,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { memory_limit: 1 << 30, aspect: 4.0 / 3.0 }
+        Self { memory_limit: 1 << 30, aspect: 4.0 / 3.0, variant: None, axes: Axes::default() }
     }
 }
 
@@ -121,6 +146,10 @@ pub struct LoadedScene {
     pub environment: Option<EnvironmentSettings>,
     /// The ground that the file asks for, or else its format's default: pass it to [`Scene::add_ground`].
     pub ground: Ground,
+    /// The material variant that is shown, by its name: the one that was asked for, or else the scene file's.
+    pub variant: Option<String>,
+    /// Axes and unit that were taken for files that do not say: those of [`LoadOptions::axes`], or else of the scene file.
+    pub axes: Axes,
 }
 
 /// Reads a scene file. The format is told by the file name's extension; where the content starts like another format,
@@ -192,15 +221,38 @@ fn read(source: &Source, budget: &mut Budget, scene_files: bool) -> Result<Loade
         return Err(SceneFileError::Unsupported { path: path.to_owned(), message });
     }
     let mut loaded = (format.read)(source, budget).map_err(|fault| fault.at(path))?;
+    if format.has_axes && !source.options.axes.are_own() {
+        let warning = format!("{} has its own axes and metres: 'up' and 'unit' have no effect", format.name);
+        loaded.scene.warnings.push(warning);
+    }
     if let Some(named) = by_name.filter(|named| named.name != format.name) {
         loaded
             .scene
             .warnings
             .push(format!("the file is named like {} but holds {}", named.name, format.name));
     }
+    loaded.variant = source.options.variant.clone().or(loaded.variant);
+    if let Some(variant) = loaded.variant.as_ref().filter(|_| scene_files) {
+        check_variant(variant, &loaded.scene).map_err(|fault| fault.at(path))?;
+    }
     tidy(&mut loaded.scene.warnings);
     loaded.scene.check_extent().map_err(|message| Fault::Invalid(message).at(path))?;
     Ok(loaded)
+}
+
+/// Refuses a variant that no model of a scene has.
+fn check_variant(variant: &str, scene: &Scene) -> Result<(), Fault> {
+    let known = &scene.variants;
+    if known.iter().any(|name| name == variant) {
+        return Ok(());
+    }
+    let known = if known.is_empty() {
+        "there are none".to_owned()
+    } else {
+        format!("there are: {}", known.join(", "))
+    };
+    let variant = gnomon_messages::quoted(variant);
+    Err(Fault::Unsupported(format!("it has no material variant '{variant}' ({known})")))
 }
 
 /// Each warning once, and no more of them than anybody reads.
@@ -234,9 +286,36 @@ impl Source<'_> {
         read_file(path, self.resolver, budget)
     }
 
+    /// Path and bytes of a file that this one names, as programs on any system write names: `\\` may stand for `/`, and a path may be one on
+    /// another machine, of which the last part counts. All `names` are tried, each in these folders, then beside this file.
+    fn find<'a>(
+        &self,
+        names: impl IntoIterator<Item = &'a str>,
+        folders: &[&Path],
+        budget: &mut Budget,
+    ) -> Result<(PathBuf, Vec<u8>), Fault> {
+        let own = self.path.parent().unwrap_or(Path::new(""));
+        let mut first = None;
+        for name in names.into_iter().filter(|name| !name.is_empty()) {
+            let name = name.replace('\\', "/");
+            let last = name.rsplit('/').next().filter(|last| last.len() < name.len() && !last.is_empty());
+            for name in std::iter::once(name.as_str()).chain(last) {
+                for folder in folders.iter().copied().chain([own]) {
+                    let path = folder.join(name);
+                    match self.read(&path, budget) {
+                        Ok(bytes) => return Ok((path, bytes)),
+                        Err(fault @ Fault::TooLarge { .. }) => return Err(fault),
+                        Err(fault) => first = first.or_else(|| Some(fault.at(&path))),
+                    }
+                }
+            }
+        }
+        Err(first.map_or_else(|| Fault::invalid("it names no file"), Fault::from))
+    }
+
     /// A scene without environment on the format's default ground.
-    fn loaded(scene: Scene, ground: Ground) -> LoadedScene {
-        LoadedScene { scene, environment: None, ground }
+    fn loaded(&self, scene: Scene, ground: Ground) -> LoadedScene {
+        LoadedScene { scene, environment: None, ground, variant: None, axes: self.options.axes }
     }
 }
 
@@ -249,6 +328,11 @@ struct Budget {
 impl Budget {
     fn new(limit: usize) -> Self {
         Self { left: limit, limit }
+    }
+
+    /// Gives back what was claimed and is needed no more.
+    fn give_back(&mut self, count: usize, bytes_each: usize) {
+        self.left = self.left.saturating_add(count.saturating_mul(bytes_each)).min(self.limit);
     }
 
     /// Claims `count` items of `bytes_each`.

@@ -1,194 +1,243 @@
-//! OBJ's material libraries, translated to metallic-roughness.
+//! OBJ's material libraries, translated to metallic-roughness. Keywords are compared without case. A statement that cannot be understood is
+//! left out with a warning.
 //!
 //! | MTL | here |
 //! |---|---|
 //! | `Kd`, `map_Kd` | base colour (`Kd` linear, the map sRGB) |
+//! | `map_d` | holes where it is below a half: in its alpha, or in its brightness where it has none |
 //! | `Ke`, `map_Ke` | emission |
 //! | `Ks` | dielectric reflection: its largest channel is the strength, its hue the tint; black, or `illum` 0 or 1, is exactly Lambert |
 //! | `Ns` | roughness: Blinn-Phong's exponent to GGX, `alpha = sqrt(2 / (Ns + 2))`, `roughness = sqrt(alpha)` (Walter et al. 2007, eq. in section 5.3) |
 //! | `Ni` | index of refraction |
 //! | `Pr`, `Pm`, `norm` | roughness, metallic, normal map (the physically based extension) |
-//! | `d`, `Tr` below 1 | opaque, with a warning |
+//! | `d`, `Tr` below 1 | opaque, with a warning; `d` goes before `Tr`, which some programs write like `d` |
+//! | `xyz`, `spectral` colours | CIE XYZ; spectral curves are not read |
+//! | `-s`, `-o`, `-clamp`, `-imfchan` of maps, `-bm` of `norm` | as they say |
+//! | other maps, turbulence | a warning: they have no effect |
+//!
+//! A material that is defined twice is the last one of its library, and that of the first library of several.
 
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
 
-use glam::{Affine2, Vec3};
+use glam::Vec3;
 use gnomon_messages::quoted;
-use gnomon_scene::{Material, MaterialId, Scene, Texture, TextureId, TextureRef, Wrap};
+use gnomon_picture::rec709_from_xyz;
+use gnomon_scene::{AlphaMode, Material, MaterialId, Scene};
 
-use super::obj::numbers;
-use super::{Budget, Source, texture};
-use crate::SceneFileError;
+use super::{Budget, Source, text};
 use crate::error::Fault;
 
-/// Materials by name, and textures by file name.
+mod map;
+mod pictures;
+
+pub use map::Map;
+pub use pictures::Pictures;
+
+/// Materials by name, and pictures by file name.
 #[derive(Default)]
 pub struct Library {
-    pub materials: HashMap<String, MaterialId>,
-    textures: HashMap<String, Option<TextureId>>,
+    materials: HashMap<String, MaterialId>,
+    pictures: Pictures,
 }
 
 impl Library {
-    /// Reads the library `name` beside the OBJ file into `scene`. One that is missing is a warning.
+    /// Reads the libraries that a line names into `scene`: one, or several. One that is missing is a warning.
     pub fn read(
         &mut self,
-        name: &str,
+        names: &str,
         source: &Source,
         budget: &mut Budget,
         scene: &mut Scene,
     ) -> Result<(), Fault> {
-        let path = source.sibling(&name.replace('\\', "/"));
-        let bytes = match source.read(&path, budget) {
-            Ok(bytes) => bytes,
-            Err(Fault::TooLarge { limit_mib }) => return Err(Fault::TooLarge { limit_mib }),
-            Err(fault) => {
-                scene.warnings.push(format!("materials are left out: {}", fault.at(&path)));
-                return Ok(());
-            }
+        let single = || std::iter::once(names).chain(text::names(names));
+        let files = match source.find(single(), &[], budget) {
+            Ok(found) => vec![Ok(found)],
+            Err(fault @ Fault::TooLarge { .. }) => return Err(fault),
+            Err(_) => libraries(names).map(|name| source.find(text::names(name), &[], budget)).collect(),
         };
-        let text = String::from_utf8_lossy(super::without_bom(&bytes)).into_owned();
-        let mut entry = Entry::default();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.split('#').next().unwrap_or_default().trim();
-            let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
-            if keyword == "newmtl" {
-                self.add(std::mem::take(&mut entry), scene);
-                entry = Entry::new(rest.trim());
-                continue;
-            }
-            self.statement(&mut entry, keyword, rest.trim(), source, budget, scene).map_err(|fault| {
-                match fault {
-                    Fault::Invalid(message) => {
-                        Fault::Elsewhere(Fault::Invalid(format!("line {}: {message}", index + 1)).at(&path))
-                    }
-                    other => other,
+        for file in files {
+            match file {
+                Ok((path, bytes)) => self.file(&path, &bytes, source, budget, scene)?,
+                Err(fault @ Fault::TooLarge { .. }) => return Err(fault),
+                Err(fault) => {
+                    scene.warnings.push(format!("materials are left out: {}", fault.at(source.path)))
                 }
-            })?;
+            }
         }
-        self.add(entry, scene);
         Ok(())
     }
 
-    fn add(&mut self, entry: Entry, scene: &mut Scene) {
-        if let Some(material) = entry.finish(&mut scene.warnings) {
-            self.materials.insert(material.name.clone(), MaterialId(scene.materials.len()));
+    /// The material that is used by this name; the first one, with a warning, where there is none.
+    pub fn material(&self, name: &str, warnings: &mut Vec<String>) -> MaterialId {
+        let found = text::names(name).find_map(|name| self.materials.get(&key(name)));
+        found.copied().unwrap_or_else(|| {
+            warnings.push(format!("material '{}' is not defined: grey is used", quoted(name)));
+            MaterialId(0)
+        })
+    }
+
+    fn file(
+        &mut self,
+        path: &Path,
+        bytes: &[u8],
+        source: &Source,
+        budget: &mut Budget,
+        scene: &mut Scene,
+    ) -> Result<(), Fault> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let text = text::decode(bytes);
+        let mut entries: Vec<Entry> = Vec::new();
+        let mut without_effect = BTreeSet::new();
+        for (number, line) in
+            text::lines(&text).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
+        {
+            let (keyword, rest) = text::statement(line);
+            let keyword = keyword.to_ascii_lowercase();
+            if keyword == "newmtl" {
+                budget.take(1, size_of::<Entry>() + 2 * rest.len())?;
+                entries.push(Entry::new(rest));
+            } else if let Some(entry) = entries.last_mut()
+                && let Err(message) = entry.statement(&keyword, rest, &mut without_effect)
+            {
+                let file = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+                scene.warnings.push(format!("{file}, line {number} is left out: {message}"));
+            }
+        }
+        if !without_effect.is_empty() {
+            let list = without_effect.into_iter().collect::<Vec<_>>().join(", ");
+            scene.warnings.push(format!("statements of materials that have no effect here: {list}"));
+        }
+        let mut own = HashMap::new();
+        for entry in entries {
+            let names: Vec<String> = text::names(&entry.name).map(key).collect();
+            let id = MaterialId(scene.materials.len());
+            if own.insert(names[0].clone(), id).is_some() {
+                scene
+                    .warnings
+                    .push(format!("material '{}' is defined twice: the last one counts", quoted(&names[0])));
+            }
+            // What may be a comment is one where nobody has the whole name.
+            for name in names.into_iter().skip(1) {
+                own.entry(name).or_insert(id);
+            }
+            let material = entry.finish(&mut self.pictures, (source, folder), budget, scene)?;
             scene.materials.push(material);
         }
-    }
-
-    fn statement(
-        &mut self,
-        entry: &mut Entry,
-        keyword: &str,
-        rest: &str,
-        source: &Source,
-        budget: &mut Budget,
-        scene: &mut Scene,
-    ) -> Result<(), Fault> {
-        let number = || -> Result<f32, Fault> { Ok(sane(numbers::<1>(rest, 1)?.0[0])) };
-        let material = &mut entry.material;
-        match keyword {
-            "Kd" => material.surface.base_color = color(rest)?.min(Vec3::ONE),
-            "Ke" => material.emissive = color(rest)?,
-            "Ks" => entry.specular = Some(color(rest)?),
-            "Ns" => entry.exponent = Some(number()?),
-            "Ni" => material.surface.ior = number()?.clamp(1.0, 10.0),
-            "Pr" => entry.roughness = Some(number()?.clamp(0.0, 1.0)),
-            "Pm" => material.surface.metallic = number()?.clamp(0.0, 1.0),
-            "d" => entry.opacity = number()?,
-            "Tr" => entry.opacity = 1.0 - number()?,
-            "illum" => entry.matte = number()? <= 1.0,
-            "map_Kd" => {
-                material.base_color_texture = self.texture(rest, source, budget, scene)?;
-                if entry.material.base_color_texture.is_some()
-                    && entry.material.surface.base_color == Vec3::ZERO
-                {
-                    // Exporters write a black factor beside a map, meaning the map alone.
-                    entry.material.surface.base_color = Vec3::ONE;
-                }
-            }
-            "map_Ke" => {
-                material.emissive_texture = self.texture(rest, source, budget, scene)?;
-                if entry.material.emissive_texture.is_some() && entry.material.emissive == Vec3::ZERO {
-                    entry.material.emissive = Vec3::ONE;
-                }
-            }
-            "norm" => material.normal_texture = self.texture(rest, source, budget, scene)?,
-            _ => {}
+        for (name, id) in own {
+            self.materials.entry(name).or_insert(id);
         }
         Ok(())
     }
-
-    /// A texture by file name, read once; `None` with a warning where it cannot be had.
-    fn texture(
-        &mut self,
-        rest: &str,
-        source: &Source,
-        budget: &mut Budget,
-        scene: &mut Scene,
-    ) -> Result<Option<TextureRef>, Fault> {
-        // Options (-s 1 1 1 ...) stand before the name; a name may hold blanks where there are none.
-        let name = if rest.starts_with('-') {
-            rest.split_ascii_whitespace().next_back().unwrap_or("")
-        } else {
-            rest
-        };
-        let id = match self.textures.get(name) {
-            Some(&known) => known,
-            None => {
-                let path = source.sibling(&name.replace('\\', "/"));
-                let picture = source.read(&path, budget).and_then(|bytes| texture::decode(&bytes, budget));
-                let id = match picture {
-                    Ok(picture) => {
-                        scene.textures.push(Arc::new(Texture {
-                            width: picture.width,
-                            height: picture.height,
-                            rgba8: picture.rgba8,
-                            wrap: [Wrap::Repeat; 2],
-                            nearest: false,
-                        }));
-                        Some(TextureId(scene.textures.len() - 1))
-                    }
-                    Err(Fault::TooLarge { limit_mib }) => return Err(Fault::TooLarge { limit_mib }),
-                    Err(fault) => {
-                        let error: SceneFileError = fault.at(&path);
-                        scene.warnings.push(format!("a texture is left out: {error}"));
-                        None
-                    }
-                };
-                self.textures.insert(name.to_owned(), id);
-                id
-            }
-        };
-        Ok(id.map(|texture| TextureRef { texture, uv_from_mesh: Affine2::IDENTITY, set: 0 }))
-    }
 }
+
+/// The names of several libraries, each of which ends in `.mtl`.
+fn libraries(names: &str) -> impl Iterator<Item = &str> {
+    let mut start = 0;
+    let mut ends: Vec<usize> = text::words(names)
+        .map(|word| word.end)
+        .filter(|&end| names[..end].trim_end_matches('"').to_ascii_lowercase().ends_with(".mtl"))
+        .collect();
+    if ends.is_empty() {
+        ends.push(names.len());
+    }
+    ends.into_iter().map(move |end| {
+        let name = names[start..end].trim();
+        start = end;
+        name
+    })
+}
+
+/// What names are compared by: blanks are as good as any other number of them.
+fn key(name: &str) -> String {
+    name.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Maps that are no part of a material here, by their keywords.
+const WITHOUT_EFFECT: [(&str, &str); 14] = [
+    ("bump", "bump (heights)"),
+    ("map_bump", "bump (heights)"),
+    ("disp", "disp"),
+    ("map_disp", "disp"),
+    ("decal", "decal"),
+    ("refl", "refl"),
+    ("map_refl", "refl"),
+    ("map_ks", "map_Ks"),
+    ("map_ns", "map_Ns"),
+    ("map_pr", "map_Pr"),
+    ("map_pm", "map_Pm"),
+    ("map_ps", "map_Ps"),
+    ("map_tr", "map_Tr"),
+    ("map_opacity", "map_opacity"),
+];
 
 /// A material while its lines are read.
 #[derive(Default)]
 struct Entry {
-    named: bool,
+    name: String,
     material: Material,
+    base: Option<Map>,
+    holes: Option<Map>,
+    emission: Option<Map>,
+    normals: Option<Map>,
     specular: Option<Vec3>,
     exponent: Option<f32>,
     roughness: Option<f32>,
-    opacity: f32,
+    opacity: Option<f32>,
+    transparency: Option<f32>,
     matte: bool,
 }
 
 impl Entry {
     fn new(name: &str) -> Self {
-        let material = Material { name: quoted(name), double_sided: true, ..Material::default() };
-        Self { named: true, material, opacity: 1.0, ..Self::default() }
+        let material = Material { double_sided: true, ..Material::default() };
+        Self { name: name.to_owned(), material, ..Self::default() }
     }
 
-    /// The material; `None` for statements before the first `newmtl`.
-    fn finish(self, warnings: &mut Vec<String>) -> Option<Material> {
-        if !self.named {
-            return None;
+    /// Takes a statement over, or says why not. `keyword` is lower case.
+    fn statement(
+        &mut self,
+        keyword: &str,
+        rest: &str,
+        without_effect: &mut BTreeSet<&'static str>,
+    ) -> Result<(), String> {
+        let number = || number(rest.trim_start_matches("-halo"));
+        let mut map = || {
+            let map = Map::parse(rest);
+            without_effect.extend(&map.ignored);
+            Some(map).filter(|map| !map.name.is_empty()).ok_or("it names no picture").map(Some)
+        };
+        let surface = &mut self.material.surface;
+        match keyword {
+            "kd" => surface.base_color = color(rest)?.min(Vec3::ONE),
+            "ke" => self.material.emissive = color(rest)?,
+            "ks" => self.specular = Some(color(rest)?),
+            "ns" => self.exponent = Some(number()?),
+            "ni" => surface.ior = number()?.clamp(1.0, 10.0),
+            "pr" => self.roughness = Some(number()?.clamp(0.0, 1.0)),
+            "pm" => surface.metallic = number()?.clamp(0.0, 1.0),
+            "d" => self.opacity = Some(number()?),
+            "tr" => self.transparency = Some(number()?),
+            "illum" => self.matte = number()? <= 1.0,
+            "map_kd" => self.base = map()?,
+            "map_d" => self.holes = map()?,
+            "map_ke" => self.emission = map()?,
+            "norm" | "map_norm" | "map_kn" => self.normals = map()?,
+            _ => without_effect
+                .extend(WITHOUT_EFFECT.iter().filter(|(name, _)| *name == keyword).map(|(_, what)| what)),
         }
-        let mut material = self.material;
+        Ok(())
+    }
+
+    fn finish(
+        self,
+        pictures: &mut Pictures,
+        places: (&Source, &Path),
+        budget: &mut Budget,
+        scene: &mut Scene,
+    ) -> Result<Material, Fault> {
+        let name = text::names(&self.name).next().map(quoted).unwrap_or_default();
+        let mut material = Material { name, ..self.material };
         let specular = self.specular.filter(|_| !self.matte).unwrap_or(Vec3::ZERO);
         let strength = specular.max_element();
         if strength > 0.0 {
@@ -202,21 +251,68 @@ impl Entry {
         if let Some(roughness) = self.roughness {
             material.surface.roughness = roughness;
         }
-        if self.opacity < 1.0 {
-            warnings.push(format!("material '{}' is transparent: shown opaque", material.name));
+        // A transparency of 1 alone is an opacity: nobody describes what is not seen.
+        let from_transparency =
+            self.transparency.filter(|tr| *tr < 1.0).map(|transparency| 1.0 - transparency);
+        if self.opacity.or(from_transparency).unwrap_or(1.0) < 1.0 {
+            scene.warnings.push(format!("material '{}' is transparent: shown opaque", material.name));
         }
-        Some(material)
+        let lies_alike =
+            |holes: &&Map| self.base.as_ref().is_none_or(|base| base.uv_from_mesh == holes.uv_from_mesh);
+        let holes = self.holes.as_ref().filter(lies_alike);
+        if self.holes.is_some() && holes.is_none() {
+            scene.warnings.push(format!(
+                "material '{}' has no holes: map_d lies on the surface otherwise than map_Kd",
+                material.name
+            ));
+        }
+        material.base_color_texture = pictures.texture(self.base.as_ref(), holes, places, budget, scene)?;
+        if let (Some(texture), Some(_)) = (material.base_color_texture, holes)
+            && scene.textures[texture.texture.0].rgba8.iter().any(|texel| texel[3] < 255)
+        {
+            material.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+        }
+        if self.base.is_some()
+            && material.base_color_texture.is_some()
+            && material.surface.base_color == Vec3::ZERO
+        {
+            // Exporters write a black factor beside a map, meaning the map alone.
+            material.surface.base_color = Vec3::ONE;
+        }
+        material.emissive_texture = pictures.texture(self.emission.as_ref(), None, places, budget, scene)?;
+        if material.emissive_texture.is_some() && material.emissive == Vec3::ZERO {
+            material.emissive = Vec3::ONE;
+        }
+        material.normal_texture = pictures.texture(self.normals.as_ref(), None, places, budget, scene)?;
+        material.normal_scale = self.normals.map_or(1.0, |map| map.strength);
+        Ok(material)
     }
 }
 
-fn color(text: &str) -> Result<Vec3, Fault> {
-    let (values, count) = numbers::<3>(text, 1)?;
-    // One number stands for grey.
+/// One number, 0 where it is not finite.
+fn number(text: &str) -> Result<f32, String> {
+    let numbers = text::numbers::<1>(text::without_comment(text), 1)?;
+    Ok(sane(numbers.0[0]))
+}
+
+fn color(text: &str) -> Result<Vec3, String> {
+    let (space, rest) = text::statement(text);
+    match space.to_ascii_lowercase().as_str() {
+        "spectral" => Err("spectral curves are not read".to_owned()),
+        "xyz" => Ok(rec709_from_xyz(three(rest)?).max(Vec3::ZERO)),
+        _ => Ok(three(text)?.max(Vec3::ZERO)),
+    }
+}
+
+/// Three numbers; a single one stands for all.
+fn three(text: &str) -> Result<Vec3, String> {
+    let (values, count) = text::numbers::<3>(text::without_comment(text), 1)?;
     let values = if count < 3 { [values[0]; 3] } else { values };
-    Ok(Vec3::from_array(values.map(|value| sane(value).max(0.0))))
+    Ok(Vec3::from_array(values.map(sane)))
 }
 
 /// The number, 0 where it is not finite.
-fn sane(value: f32) -> f32 {
+fn sane(value: f64) -> f32 {
+    let value = value as f32;
     if value.is_finite() { value } else { 0.0 }
 }

@@ -1,40 +1,43 @@
-//! Wavefront OBJ: polygons with positions, texture coordinates, normals, vertex colours and a material library.
+//! Wavefront OBJ: polygons with positions, texture coordinates, normals, vertex colours and material libraries.
 //!
-//! Polygons become fans. Faces with `vn` are smooth, faces without are flat; smoothing groups are not used. One mesh
-//! for each material. Lines, points, curves and surfaces are left out. Vertex colours (three or four numbers after the
-//! position) are sRGB, as MeshLab writes them.
+//! Polygons of any shape are cut into triangles. Faces with `vn` are smooth, faces without are flat; smoothing groups are not used. One mesh
+//! for each material. Lines, points, curves and surfaces are left out with a warning. Vertex colours (three or four numbers after the position) are
+//! sRGB, as MeshLab writes them, of 0 to 1 or 0 to 255.
+//!
+//! A vertex that is no place, or a face of vertices that are not there, is an error: faces count vertices, so nothing behind it can be trusted.
+//! All else that is wrong is left out with a warning. A texture coordinate or normal of a face that is not there counts as none, and so does 0.
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use gnomon_messages::quoted;
-use gnomon_picture::tonemap::srgb_decode;
 use gnomon_scene::{Ground, Material, MaterialId, Mesh, Scene};
 
 use super::mtl::Library;
-use super::{Budget, LoadedScene, Source, geometry};
+use super::polygon::Cutter;
+use super::{Budget, LoadedScene, Source, color, geometry, text};
 use crate::error::Fault;
 
 /// Reads an OBJ file and the material libraries beside it. Missing libraries, materials and textures are warnings.
 pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
-    let text = String::from_utf8_lossy(super::without_bom(source.bytes));
+    let text = text::decode(source.bytes);
     let mut reader = Reader::default();
-    // Scans have holes: their inside should not vanish.
-    reader.scene.materials.push(Material { double_sided: true, ..Material::default() });
-    let mut number = 0;
-    let mut lines = text.lines();
-    while let Some(first) = lines.next() {
-        number += 1;
-        let (start, mut line) = (number, first.to_owned());
-        // A backslash at the end joins the next line.
-        while line.trim_end().ends_with('\\') {
-            line.truncate(line.trim_end().len() - 1);
-            let Some(next) = lines.next() else { break };
-            number += 1;
-            line.push(' ');
-            line.push_str(next);
+    let mut lines = text::lines(&text);
+    let mut joined = String::new();
+    while let Some((start, first)) = lines.next() {
+        let mut line = first;
+        // A backslash at the end joins the next line, but not in names or comments, where it is a folder's.
+        if line.ends_with('\\') && !["#", "usemtl", "g ", "o "].iter().any(|begin| line.starts_with(begin)) {
+            joined.clear();
+            while let Some(part) = line.strip_suffix('\\') {
+                joined.push_str(part);
+                joined.push(' ');
+                line = lines.next().map_or("", |(_, next)| next);
+            }
+            joined.push_str(line);
+            line = &joined;
         }
-        reader.line(&line, source, budget).map_err(|fault| match fault {
+        reader.line(line, budget).map_err(|fault| match fault {
             Fault::Invalid(message) => Fault::Invalid(format!("line {start}: {message}")),
             other => other,
         })?;
@@ -48,76 +51,131 @@ type Corner = (u32, Option<u32>, Option<u32>);
 /// Faces that go into one mesh.
 #[derive(Default)]
 struct Group {
-    mesh: Mesh,
-    vertices: HashMap<Corner, u32>,
+    /// By its name's number.
+    material: Option<usize>,
+    corners: Vec<Corner>,
+    vertex_of: HashMap<Corner, u32>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// How much was left out.
+#[derive(Default)]
+struct LeftOut {
+    lines: usize,
+    surfaces: usize,
+    /// Texture coordinates and normals that faces name and that are not there.
+    attributes: usize,
+    /// Those that are no numbers.
+    values: usize,
+}
+
+impl LeftOut {
+    fn warnings(&self) -> impl Iterator<Item = String> {
+        let told = [
+            (self.lines, "left out {} points, lines and faces of fewer than three corners"),
+            (self.surfaces, "left out {} curves and surfaces"),
+            (
+                self.attributes,
+                "faces name {} texture coordinates and normals that are not there: they have none",
+            ),
+            (self.values, "{} texture coordinates and normals are no numbers"),
+        ];
+        told.into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, text)| text.replace("{}", &count.to_string()))
+    }
 }
 
 #[derive(Default)]
 struct Reader {
-    positions: Vec<Vec3>,
+    positions: Vec<DVec3>,
+    /// As the file has them; shorter than `positions` where the last ones have none.
     colors: Vec<Vec4>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     /// By material and whether the corners have normals, in order of first use.
     groups: Vec<Group>,
-    group_of: HashMap<(usize, bool), usize>,
-    library: Library,
-    material: usize,
-    scene: Scene,
+    group_of: HashMap<(Option<usize>, bool), usize>,
+    libraries: Vec<String>,
+    /// Names of materials as they are used, in order of first use.
+    names: Vec<String>,
+    name_of: HashMap<String, usize>,
+    material: Option<usize>,
     corners: Vec<Corner>,
-    skipped: usize,
+    places: Vec<DVec3>,
+    cutter: Cutter,
+    left_out: LeftOut,
 }
 
 impl Reader {
-    fn line(&mut self, line: &str, source: &Source, budget: &mut Budget) -> Result<(), Fault> {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
+    fn line(&mut self, line: &str, budget: &mut Budget) -> Result<(), Fault> {
+        let (keyword, rest) = text::statement(line);
+        let numbers = || text::without_comment(rest);
         match keyword {
             "v" => {
-                budget.take(1, size_of::<Vec3>() + size_of::<Vec4>())?;
-                self.position(rest)?;
+                budget.take(1, size_of::<DVec3>() + size_of::<Vec4>())?;
+                self.position(numbers())?;
             }
             "vt" => {
                 budget.take(1, size_of::<Vec2>())?;
-                let uv = numbers::<2>(rest, 1)?.0;
+                let [u, v] = self.values(numbers(), 1);
                 // OBJ counts v from the picture's bottom.
-                self.uvs.push(Vec2::new(uv[0], 1.0 - uv[1]));
+                self.uvs.push(Vec2::new(u, 1.0 - v));
             }
             "vn" => {
                 budget.take(1, size_of::<Vec3>())?;
-                self.normals.push(Vec3::from_array(numbers::<3>(rest, 3)?.0));
+                let normal = self.values(numbers(), 3);
+                self.normals.push(normal.into());
             }
-            "f" | "fo" => self.face(rest, budget)?,
-            "l" | "p" => self.skipped += 1,
-            "mtllib" => self.library.read(rest.trim(), source, budget, &mut self.scene)?,
-            "usemtl" => self.use_material(rest.trim()),
-            // Groups, objects, smoothing, and the free-form geometry that few files have.
+            "f" | "fo" => self.face(numbers(), budget)?,
+            "l" | "p" => self.left_out.lines += 1,
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" | "res" => self.left_out.surfaces += 1,
+            "mtllib" => self.libraries.push(rest.to_owned()),
+            "usemtl" => self.use_material(rest, budget)?,
+            // Groups, objects, smoothing.
             _ => {}
         }
         Ok(())
     }
 
     fn position(&mut self, rest: &str) -> Result<(), Fault> {
-        let (values, count) = numbers::<7>(rest, 3)?;
-        self.positions.push(Vec3::new(values[0], values[1], values[2]));
+        let (values, count) = text::numbers::<7>(rest, 3).map_err(Fault::Invalid)?;
+        self.positions.push(DVec3::new(values[0], values[1], values[2]));
         // Three numbers, or four with a weight, have no colour.
         if count >= 6 {
             self.colors.resize(self.positions.len() - 1, Vec4::ONE);
-            let [r, g, b] = [values[3], values[4], values[5]].map(srgb_decode);
+            let [r, g, b] = [values[3], values[4], values[5]].map(|value| value as f32);
             self.colors.push(Vec4::new(r, g, b, 1.0));
         }
         Ok(())
     }
 
-    fn use_material(&mut self, name: &str) {
-        self.material = match self.library.materials.get(name) {
-            Some(material) => material.0,
+    /// Numbers of a texture coordinate or normal. Those that are none keep their place: faces count them.
+    fn values<const N: usize>(&mut self, rest: &str, least: usize) -> [f32; N] {
+        match text::numbers::<N>(rest, least) {
+            Ok((values, _)) => values.map(|value| value as f32),
+            Err(_) => {
+                self.left_out.values += 1;
+                [f32::NAN; N]
+            }
+        }
+    }
+
+    fn use_material(&mut self, name: &str, budget: &mut Budget) -> Result<(), Fault> {
+        if name.is_empty() {
+            self.material = None;
+            return Ok(());
+        }
+        self.material = match self.name_of.get(name) {
+            Some(&known) => Some(known),
             None => {
-                let warning = format!("material '{}' is not defined: grey is used", quoted(name));
-                self.scene.warnings.push(warning);
-                0
+                budget.take(2, name.len() + size_of::<String>())?;
+                self.names.push(name.to_owned());
+                self.name_of.insert(name.to_owned(), self.names.len() - 1);
+                Some(self.names.len() - 1)
             }
         };
+        Ok(())
     }
 
     fn face(&mut self, rest: &str, budget: &mut Budget) -> Result<(), Fault> {
@@ -127,109 +185,115 @@ impl Reader {
             self.corners.push(corner);
         }
         if self.corners.len() < 3 {
-            self.skipped += 1;
+            self.left_out.lines += 1;
             return Ok(());
         }
         budget.take(
             self.corners.len(),
-            geometry::VERTEX_BYTES + geometry::TRIANGLE_BYTES + 3 * size_of::<Corner>(),
+            geometry::VERTEX_BYTES + geometry::TRIANGLE_BYTES + 4 * size_of::<Corner>(),
         )?;
         let smooth = self.corners.iter().all(|corner| corner.2.is_some());
         let groups = &mut self.groups;
         let group = *self.group_of.entry((self.material, smooth)).or_insert_with(|| {
-            groups.push(Group::default());
+            groups.push(Group { material: self.material, ..Group::default() });
             groups.len() - 1
         });
         let group = &mut self.groups[group];
-        group.mesh.material = Some(MaterialId(self.material));
-        let mut first_two = [0; 2];
-        for (place, &(position, uv, normal)) in self.corners.iter().enumerate() {
-            let normal = normal.filter(|_| smooth);
-            let mesh = &mut group.mesh;
-            let index = *group.vertices.entry((position, uv, normal)).or_insert_with(|| {
-                mesh.positions.push(self.positions[position as usize]);
-                // A corner without coordinates or colour takes a neutral one if others of its mesh have some.
-                mesh.uvs[0].push(uv.map_or(Vec2::ZERO, |uv| self.uvs[uv as usize]));
-                mesh.colors.push(self.colors.get(position as usize).copied().unwrap_or(Vec4::ONE));
-                mesh.normals.extend(normal.map(|normal| self.normals[normal as usize]));
-                mesh.positions.len() as u32 - 1
-            });
-            match place {
-                0 | 1 => first_two[place] = index,
-                _ => {
-                    mesh.triangles.push([first_two[0], first_two[1], index]);
-                    first_two[1] = index;
-                }
-            }
+        self.places.clear();
+        self.places.extend(self.corners.iter().map(|corner| self.positions[corner.0 as usize]));
+        for triangle in self.cutter.cut(&self.places) {
+            group.triangles.push(triangle.map(|corner| {
+                let (position, uv, normal) = self.corners[corner as usize];
+                let corner = (position, uv, normal.filter(|_| smooth));
+                let corners = &mut group.corners;
+                *group.vertex_of.entry(corner).or_insert_with(|| {
+                    corners.push(corner);
+                    corners.len() as u32 - 1
+                })
+            }));
         }
         Ok(())
     }
 
     /// `position`, `position/uv`, `position//normal` or `position/uv/normal`; from 1, or negative from the end.
-    fn corner(&self, word: &str) -> Result<Corner, Fault> {
-        let mut parts = word.split('/');
-        let mut part = |count: usize, what: &str| -> Result<Option<u32>, Fault> {
-            let Some(text) = parts.next().filter(|text| !text.is_empty()) else { return Ok(None) };
-            let number: i64 =
-                text.parse().map_err(|_| Fault::Invalid(format!("'{}' is no face corner", quoted(word))))?;
-            let index = if number < 0 { (count as i64).checked_add(number) } else { number.checked_sub(1) };
-            let index = index.and_then(|i| u32::try_from(i).ok()).filter(|&i| (i as usize) < count);
-            let missing = || Fault::Invalid(format!("a face names {what} {number}, but there are {count}"));
-            index.ok_or_else(missing).map(Some)
-        };
-        let position = part(self.positions.len(), "vertex")?;
-        let uv = part(self.uvs.len(), "texture coordinate")?;
-        let normal = part(self.normals.len(), "normal")?;
-        match (position, parts.next()) {
-            (Some(position), None) => Ok((position, uv, normal)),
-            _ => Err(Fault::Invalid(format!("'{}' is no face corner", quoted(word)))),
+    fn corner(&mut self, word: &str) -> Result<Corner, Fault> {
+        let bad = || Fault::Invalid(format!("'{}' is no face corner", quoted(word)));
+        let mut parts = word.split('/').map(|text| match text {
+            "" => Ok(0),
+            number => number.parse::<i64>().map_err(|_| bad()),
+        });
+        let mut part = || parts.next().unwrap_or(Ok(0));
+        let [position, uv, normal] = [part()?, part()?, part()?];
+        if parts.next().is_some() || word.starts_with('/') {
+            return Err(bad());
         }
+        let count = self.positions.len();
+        let missing = || Fault::Invalid(format!("a face names vertex {position}, but there are {count}"));
+        let mut attribute = |number: i64, count: usize| {
+            let index = index_of(number, count);
+            self.left_out.attributes += usize::from(number != 0 && index.is_none());
+            index
+        };
+        let uv = attribute(uv, self.uvs.len());
+        let normal = attribute(normal, self.normals.len());
+        Ok((index_of(position, count).ok_or_else(missing)?, uv, normal))
     }
 
     fn finish(mut self, source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
-        if self.skipped > 0 {
-            self.scene.warnings.push(format!(
-                "left out {} points, lines and faces of fewer than three corners",
-                self.skipped
-            ));
+        let axes = source.options.axes;
+        let used = self.groups.iter().flat_map(|group| &group.corners).map(|corner| corner.0);
+        let mut scene = Scene { origin: axes.settle(&mut self.positions, used), ..Scene::default() };
+        axes.turn(&mut self.normals);
+        // Scans have holes: their inside should not vanish.
+        scene.materials.push(Material { double_sided: true, ..Material::default() });
+        let mut library = Library::default();
+        for names in &self.libraries {
+            library.read(names, source, budget, &mut scene)?;
         }
+        scene.warnings.extend(self.left_out.warnings().chain(self.cutter.warning()));
         if self.groups.is_empty() {
-            self.scene.warnings.push("the file has no faces: nothing will be seen of it".to_owned());
+            scene.warnings.push("the file has no faces: nothing will be seen of it".to_owned());
         }
         let name = super::stem(source.path);
-        let (has_uvs, has_colors) = (!self.uvs.is_empty(), !self.colors.is_empty());
-        for mut group in self.groups {
-            if !has_uvs {
-                group.mesh.uvs = [Vec::new(), Vec::new()];
+        let has_colors = !self.colors.is_empty();
+        let decode = color::decoder(&self.colors);
+        for group in std::mem::take(&mut self.groups) {
+            let material = group
+                .material
+                .map_or(MaterialId(0), |name| library.material(&self.names[name], &mut scene.warnings));
+            let corners = || group.corners.iter();
+            let mut mesh = Mesh {
+                positions: corners().map(|corner| self.positions[corner.0 as usize].as_vec3()).collect(),
+                normals: corners().filter_map(|corner| Some(self.normals[corner.2? as usize])).collect(),
+                triangles: group.triangles,
+                material: Some(material),
+                ..Mesh::default()
+            };
+            if !self.uvs.is_empty() {
+                // A corner without coordinates or colour takes a neutral one if others of its mesh have some.
+                mesh.uvs[0] =
+                    corners().map(|corner| corner.1.map_or(Vec2::ZERO, |uv| self.uvs[uv as usize])).collect();
             }
-            if !has_colors {
-                group.mesh.colors = Vec::new();
+            if has_colors {
+                let color = |corner: &Corner| {
+                    self.colors.get(corner.0 as usize).map_or(Vec4::ONE, |color| decode(*color))
+                };
+                mesh.colors = corners().map(color).collect();
             }
-            let material = group.mesh.material.and_then(|id| self.scene.materials.get(id.0));
-            let tangent_set = material.and_then(Material::tangent_set);
-            let mesh =
-                geometry::finish(group.mesh, tangent_set, "the mesh", budget, &mut self.scene.warnings)?;
-            self.scene.push_mesh(&name, mesh);
+            let tangent_set = scene.materials[material.0].tangent_set();
+            let mesh = geometry::finish(mesh, tangent_set, "the mesh", budget, &mut scene.warnings)?;
+            scene.push_mesh(&name, mesh);
         }
         if has_colors {
             // Colours multiply the base colour: let grey not darken them.
-            self.scene.materials[0].surface.base_color = Vec3::ONE;
+            scene.materials[0].surface.base_color = Vec3::ONE;
         }
-        Ok(Source::loaded(self.scene, Ground::Plane))
+        Ok(source.loaded(scene, Ground::Plane))
     }
 }
 
-/// Up to `N` numbers and how many there were (more are ignored); at least `least` of them must be there.
-pub fn numbers<const N: usize>(text: &str, least: usize) -> Result<([f32; N], usize), Fault> {
-    let mut values = [0.0; N];
-    let mut count = 0;
-    for word in text.split_ascii_whitespace().take(N) {
-        values[count] =
-            word.parse().map_err(|_| Fault::Invalid(format!("'{}' is no number", quoted(word))))?;
-        count += 1;
-    }
-    if count < least {
-        return Err(Fault::Invalid(format!("{least} numbers expected, {count} found")));
-    }
-    Ok((values, count))
+/// The index that a number of a file means, from 1, or negative from the end, among so many; `None` for 0 and beyond.
+fn index_of(number: i64, count: usize) -> Option<u32> {
+    let index = if number < 0 { number.checked_add_unsigned(count as u64) } else { number.checked_sub(1) };
+    index.and_then(|i| u32::try_from(i).ok()).filter(|&i| (i as usize) < count)
 }

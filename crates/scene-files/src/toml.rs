@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use ::toml::Spanned;
-use glam::{Affine3A, EulerRot, Quat, Vec3};
+use glam::{Affine3A, DMat3, DVec3, EulerRot, Mat3, Quat, Vec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{
     Camera, Ground, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene, builtin, excess,
@@ -14,7 +14,10 @@ use gnomon_scene::{
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 
-use super::{Budget, EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, Source, load_within};
+use super::{
+    Axes, Budget, EnvironmentSettings, EnvironmentSource, LoadOptions, LoadedScene, Source, UNITS, UpAxis,
+    load_within,
+};
 use crate::error::Fault;
 use crate::{Resolver, SceneFileError};
 
@@ -26,8 +29,10 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     // The parsed document takes several times the size of its text.
     budget.take(text.len(), 16)?;
     let file: SceneFile = parse(text)?;
-    let reader = Reader { text, source };
-    reader.scene(&file, budget)
+    let variant = source.options.variant.clone().or_else(|| file.variant.clone());
+    let options = LoadOptions { variant, ..source.options.clone() };
+    let source = &Source { options: &options, ..*source };
+    Reader { text, source }.scene(&file, budget)
 }
 
 /// Those tables of a scene file that say how it is drawn, which [`super::load`] leaves alone: `T` has a field for each, with a default,
@@ -63,6 +68,9 @@ fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
 #[serde(deny_unknown_fields)]
 struct SceneFile {
     ground: Option<Ground>,
+    variant: Option<String>,
+    up: Option<UpAxis>,
+    unit: Option<Unit>,
     camera: Option<Camera>,
     environment: Option<Spanned<EnvironmentEntry>>,
     #[serde(default)]
@@ -121,13 +129,38 @@ struct ModelEntry {
     builtin: Option<String>,
     ground: Option<bool>,
     name: Option<String>,
+    up: Option<UpAxis>,
+    unit: Option<Unit>,
     #[serde(default)]
-    translation: [f32; 3],
+    translation: [f64; 3],
     #[serde(default)]
     rotation: [f32; 3],
     #[serde(default)]
     scale: Scale,
     material: Option<String>,
+}
+
+impl ModelEntry {
+    fn scale(&self) -> Vec3 {
+        match self.scale {
+            Scale::Uniform(scale) => Vec3::splat(scale),
+            Scale::Axes(scale) => Vec3::from_array(scale),
+        }
+    }
+
+    /// Turned about x, y and z, in this order.
+    fn rotation(&self) -> Quat {
+        let [x, y, z] = self.rotation.map(f32::to_radians);
+        Quat::from_euler(EulerRot::ZYX, z, y, x)
+    }
+
+    /// By how much scale and rotation in double precision differ from those of its node, which moves a model that is far from its origin.
+    fn turn_error(&self) -> DMat3 {
+        let [x, y, z] = self.rotation.map(|angle| f64::from(angle).to_radians());
+        let exact = DMat3::from_euler(EulerRot::ZYX, z, y, x) * DMat3::from_diagonal(self.scale().as_dvec3());
+        let single = Affine3A::from_scale_rotation_translation(self.scale(), self.rotation(), Vec3::ZERO);
+        exact - Mat3::from(single.matrix3).as_dmat3()
+    }
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -140,6 +173,31 @@ enum Scale {
 impl Default for Scale {
     fn default() -> Self {
         Self::Uniform(1.0)
+    }
+}
+
+/// A unit by its name or its length [m].
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "UnitEntry")]
+struct Unit(f32);
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "unit is a number of metres, or m, cm, mm, in, ft")]
+enum UnitEntry {
+    Length(f32),
+    Name(String),
+}
+
+impl TryFrom<UnitEntry> for Unit {
+    type Error = String;
+
+    fn try_from(entry: UnitEntry) -> Result<Self, String> {
+        let length = match &entry {
+            UnitEntry::Length(length) => Some(*length),
+            UnitEntry::Name(name) => UNITS.iter().find(|(known, _)| known == name).map(|(_, length)| *length),
+        };
+        let length = length.filter(|length| (1e-6..=1e6).contains(length));
+        length.map(Self).ok_or_else(|| "unit must be 0.000001 to 1000000 m, or m, cm, mm, in, ft".to_owned())
     }
 }
 
@@ -186,28 +244,41 @@ impl Reader<'_> {
             scene.materials.push(material);
         }
         scene.cameras.extend(file.camera.clone());
+        let of_file = Axes { up: file.up, unit: file.unit.map(|unit| unit.0) };
+        let axes = self.source.options.axes.or(of_file);
+        // What the scene places, and where, in file coordinates.
+        let mut places = Vec::new();
         for model in &file.model {
-            self.place(model, &materials, &mut scene, budget)?;
+            places.push(self.place(model, axes, &materials, &mut scene, budget)?);
         }
         for light in &file.light {
-            light.get_ref().add_to(&mut scene).map_err(|message| self.at(light, message))?;
+            let place = light.get_ref().add_to(&mut scene).map_err(|message| self.at(light, message))?;
+            places.push(place);
         }
+        let origin = scene.suitable_origin();
+        scene.move_origin(origin, &places);
         let environment = file.environment.as_ref().map(|entry| self.environment(entry)).transpose()?;
-        Ok(LoadedScene { scene, environment, ground: file.ground.unwrap_or(Ground::None) })
+        let ground = file.ground.unwrap_or(Ground::None);
+        let variant = self.source.options.variant.clone();
+        Ok(LoadedScene { scene, environment, ground, variant, axes })
     }
 
+    /// Adds a model. Returns its root and where that stands.
     fn place(
         &self,
         spanned: &Spanned<ModelEntry>,
+        axes: Axes,
         materials: &BTreeMap<&str, MaterialId>,
         scene: &mut Scene,
         budget: &mut Budget,
-    ) -> Result<(), Fault> {
+    ) -> Result<(NodeId, DVec3), Fault> {
         let model = spanned.get_ref();
         let (mut placed, name) = match (&model.file, &model.builtin) {
             (Some(file), None) => {
                 let path = self.source.sibling(file);
-                let loaded = load_within(&path, (self.source.resolver, self.source.options), budget, false)?;
+                let own = Axes { up: model.up, unit: model.unit.map(|unit| unit.0) };
+                let options = LoadOptions { axes: own.or(axes), ..self.source.options.clone() };
+                let loaded = load_within(&path, (self.source.resolver, &options), budget, false)?;
                 (loaded.scene, super::stem(Path::new(file)))
             }
             (None, Some(name)) => {
@@ -221,7 +292,12 @@ impl Reader<'_> {
         if model.ground.is_some() && model.builtin.is_none() {
             return Err(self.at(spanned, "only a built-in model has a 'ground' to bring".to_owned()));
         }
+        if (model.up.is_some() || model.unit.is_some()) && model.file.is_none() {
+            return Err(self.at(spanned, "only a model of a file has 'up' and 'unit'".to_owned()));
+        }
+        let translation = DVec3::from_array(model.translation) + model.turn_error() * placed.origin;
         // The root of the model comes first.
+        let root = NodeId(scene.nodes.len());
         let ground = placed.ground.map(|node| NodeId(node.0 + 1 + scene.nodes.len()));
         if let Some(material) = &model.material {
             let id = materials.get(material.as_str()).ok_or_else(|| {
@@ -232,25 +308,20 @@ impl Reader<'_> {
             placed.materials.clear();
             placed.textures.clear();
             let first = scene.meshes.len();
-            scene.append(placed, self.root(spanned, name)?);
+            scene.append_at(placed, self.root(spanned, name)?, translation);
             scene.meshes[first..].iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = Some(*id));
         } else {
-            scene.append(placed, self.root(spanned, name)?);
+            scene.append_at(placed, self.root(spanned, name)?, translation);
         }
         scene.ground = scene.ground.or(ground);
-        Ok(())
+        Ok((root, translation))
     }
 
-    /// The node that places a model: scaled, then turned about x, y and z in this order, then moved.
+    /// The node that places a model: scaled, then turned about x, y and z in this order. It is moved by [`Scene::append_at`].
     fn root(&self, spanned: &Spanned<ModelEntry>, name: String) -> Result<Node, Fault> {
         let model = spanned.get_ref();
-        let [x, y, z] = model.rotation.map(f32::to_radians);
-        let scale = match model.scale {
-            Scale::Uniform(scale) => Vec3::splat(scale),
-            Scale::Axes(scale) => Vec3::from_array(scale),
-        };
-        let rotation = Quat::from_euler(EulerRot::ZYX, z, y, x);
-        let translation = Vec3::from_array(model.translation);
+        let (scale, rotation) = (model.scale(), model.rotation());
+        let translation = DVec3::from_array(model.translation).as_vec3();
         if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
             return Err(self.at(spanned, "translation, rotation and scale must be finite".to_owned()));
         }

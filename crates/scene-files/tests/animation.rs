@@ -250,8 +250,8 @@ fn skins_that_refer_to_nothing_are_refused() {
         assert!(error.contains(reason), "{error}");
     }
     let scene = read(&skinned(WEIGHTS, |d| d["scenes"][0]["nodes"] = json!([0, 1]))).scene;
-    assert!(scene.warnings[0].contains("joints are not in the scene"), "{:?}", scene.warnings);
-    near(corners(&scene)[0], Vec3::new(50.0, 0.0, 0.0));
+    // A joint that the scene does not list bends all the same.
+    assert_eq!(corners(&scene), corners(&read(&skinned(WEIGHTS, |_| ())).scene));
 }
 
 #[test]

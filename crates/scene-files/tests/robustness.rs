@@ -90,8 +90,34 @@ static GLB: LazyLock<Vec<u8>> = LazyLock::new(|| {
 
 const TOML: &[u8] = b"ground = \"plane\"\n[camera]\neye = [1, 2, 3]\ntarget = [0, 0, 0]\nfov = 40\n[environment]\nbuiltin = \"sky\"\n[material.a]\nroughness = 0.5\n[[model]]\nbuiltin = \"three-boxes\"\nrotation = [0, 10, 0]\nscale = 2\nmaterial = \"a\"\n[[light]]\nshape = \"rectangle\"\nsize = [2, 1]\nposition = [0, 3, 0]\ntarget = [1, 0, 0]\nradiance = [5, 4, 3]\n";
 
-fn seeds() -> [(&'static str, Vec<u8>); 5] {
+/// A U, textured, with colours, comments and lines that are left out.
+const OBJ_ODD: &[u8] = b"mtllib \"a b.mtl\" c.mtl\nusemtl Material #25\nv 0 0 0 255 0 9\r\nv 3,0 0 0\rv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nvt 0 1\nvn -1.#IND 0 0\nf 1/1/0 2/7 3//1 4 5 6 7 \\\n 8\nl 1 2\ncurv 0 1 1 2\n";
+
+/// Texture coordinates of corners, colours of faces, surplus numbers, a comment among the rows.
+const PLY_ODD: &[u8] = b"ply\nformat ascii 1.0\ncomment TextureFile none.png\nwritten by hand\nelement face 2\nproperty list uchar int64 vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\nproperty float red\nproperty float green\nproperty float blue\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nend_header\n4 0 1 2 3 8 0 0 1 0 1 1 0 1 0 255 9 0 7 7\ncomment here\n3 0 1 2 6 0 0 1 0 1 1 1 0 0 255\n500000 0 4500000\n500001 0 4500000\n500000.25 0.25 4500000\n500000 1 4500000\n";
+
+const STL_ASCII: &[u8] = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+
+/// Two coloured triangles.
+static STL_BINARY: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut bytes = b"solid COLOR=\x10\x20\x30\xff".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(2_u32.to_le_bytes());
+    for color in [0x001f_u16, 0x8000] {
+        for x in [0.0_f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+            bytes.extend(x.to_le_bytes());
+        }
+        bytes.extend(color.to_le_bytes());
+    }
+    bytes
+});
+
+fn seeds() -> [(&'static str, Vec<u8>); 9] {
     [
+        ("odd.obj", OBJ_ODD.to_vec()),
+        ("odd.ply", PLY_ODD.to_vec()),
+        ("seed.stl", STL_ASCII.to_vec()),
+        ("seed.STL", STL_BINARY.clone()),
         ("seed.obj", OBJ.to_vec()),
         ("seed.ply", PLY_ASCII.to_vec()),
         ("seed.PLY", PLY_BINARY.clone()),

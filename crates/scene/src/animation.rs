@@ -259,6 +259,7 @@ impl Scene {
             let place = crate::camera::rigid(world[mount.node.0]);
             if let (Some(place), Some(camera)) = (place, self.cameras.get_mut(mount.camera)) {
                 camera.world_from_camera = place;
+                camera.origin = self.origin;
             }
         }
     }

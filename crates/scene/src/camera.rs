@@ -1,4 +1,4 @@
-use glam::{Affine3A, Mat3, Mat3A, Mat4, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, Mat3, Mat3A, Mat4, Vec2, Vec3, Vec3A};
 use serde::{Deserialize, Serialize};
 
 use crate::camera_settings::CameraSettings;
@@ -62,6 +62,9 @@ pub struct Camera {
     pub name: String,
     /// Rigid transform from camera space to world space.
     pub world_from_camera: Mat4,
+    /// Where the origin of that world space lies in file coordinates [m]: that of the scene which it sees ([`crate::Scene::origin`]), or of its own
+    /// where it was written for any.
+    pub origin: DVec3,
     /// Lens.
     pub projection: Projection,
     /// Where the picture lies behind it.
@@ -81,7 +84,25 @@ impl Camera {
             eye.extend(1.0),
         );
         let projection = Projection::Perspective { fov_x };
-        Self { name: String::new(), world_from_camera, projection, film: Film::default() }
+        Self {
+            name: String::new(),
+            world_from_camera,
+            origin: DVec3::ZERO,
+            projection,
+            film: Film::default(),
+        }
+    }
+
+    /// The same view in the world space of a scene with this origin.
+    #[must_use]
+    pub fn relative_to(&self, origin: DVec3) -> Self {
+        let mut camera = self.clone();
+        if self.origin != origin {
+            let eye = self.eye().as_dvec3() + (self.origin - origin);
+            camera.world_from_camera.w_axis = eye.as_vec3().extend(1.0);
+            camera.origin = origin;
+        }
+        camera
     }
 
     /// Position in world space [m].

@@ -1,6 +1,6 @@
 //! Cameras as people and files describe them.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{DVec3, Mat4, Vec2, Vec3};
 use gnomon_messages::quoted;
 use serde::{Deserialize, Serialize};
 
@@ -21,19 +21,19 @@ impl std::str::FromStr for Camera {
             ))
         };
         let number = |text: &str| {
-            text.trim().parse::<f32>().map_err(|_| bad(&format!("'{}' is no number", quoted(text))))
+            text.trim().parse::<f64>().map_err(|_| bad(&format!("'{}' is no number", quoted(text))))
         };
         let mut settings = CameraSettings::default();
         for part in text.split(';').filter(|part| !part.trim().is_empty()) {
             let (key, value) = part.split_once('=').ok_or_else(|| bad("a part has no '='"))?;
             let key = key.trim();
             let between = if key == "size" { ['x', 'X'] } else { [',', ','] };
-            let numbers = value.split(between).map(number).collect::<Result<Vec<f32>, _>>()?;
+            let numbers = value.split(between).map(number).collect::<Result<Vec<f64>, _>>()?;
             let twice = match key {
-                "eye" => fill(&mut settings.eye, &numbers),
-                "target" => fill(&mut settings.target, &numbers),
-                "shift" => fill(&mut settings.shift, &numbers),
-                "size" => fill(&mut settings.size, &numbers),
+                "eye" => fill(&mut settings.eye, &numbers, |number| number),
+                "target" => fill(&mut settings.target, &numbers, |number| number),
+                "shift" => fill(&mut settings.shift, &numbers, |number| number as f32),
+                "size" => fill(&mut settings.size, &numbers, |number| number as f32),
                 "fov" => fill_one(&mut settings.fov, &numbers),
                 "fx" => fill_one(&mut settings.fx, &numbers),
                 "fy" => fill_one(&mut settings.fy, &numbers),
@@ -57,15 +57,19 @@ impl std::str::FromStr for Camera {
 }
 
 /// Puts numbers where there are none yet, or says what is wrong with them.
-fn fill<const N: usize>(slot: &mut Option<[f32; N]>, numbers: &[f32]) -> Result<(), &'static str> {
+fn fill<T, const N: usize>(
+    slot: &mut Option<[T; N]>,
+    numbers: &[f64],
+    kept: impl Fn(f64) -> T,
+) -> Result<(), &'static str> {
     let wanted = if N == 3 { "is three numbers" } else { "is two numbers" };
-    let value = numbers.try_into().map_err(|_| wanted)?;
+    let value = <[f64; N]>::try_from(numbers).map_err(|_| wanted)?.map(kept);
     if slot.replace(value).is_some() { Err("is given twice") } else { Ok(()) }
 }
 
-fn fill_one(slot: &mut Option<f32>, numbers: &[f32]) -> Result<(), &'static str> {
+fn fill_one(slot: &mut Option<f32>, numbers: &[f64]) -> Result<(), &'static str> {
     let [value] = numbers else { return Err("is one number") };
-    if slot.replace(*value).is_some() { Err("is given twice") } else { Ok(()) }
+    if slot.replace(*value as f32).is_some() { Err("is given twice") } else { Ok(()) }
 }
 
 /// A camera as people write it, `eye`, `target` and `fov`; as calibrations have its lens, `fx`, `fy`, `cx`, `cy` and `size`; or as programs
@@ -74,15 +78,15 @@ fn fill_one(slot: &mut Option<f32>, numbers: &[f32]) -> Result<(), &'static str>
 #[serde(deny_unknown_fields)]
 pub(crate) struct CameraSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub eye: Option<[f32; 3]>,
+    pub eye: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<[f32; 3]>,
+    pub target: Option<[f64; 3]>,
     /// Horizontal [degrees].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov: Option<f32>,
     /// `world_from_camera`: right, up and back as columns, and the eye.
     #[serde(skip_serializing_if = "Option::is_none")]
-    matrix: Option<[[f32; 3]; 4]>,
+    matrix: Option<[[f64; 3]; 4]>,
     /// Horizontal [rad].
     #[serde(skip_serializing_if = "Option::is_none")]
     fov_radians: Option<f32>,
@@ -116,9 +120,9 @@ const RIGID: f32 = 1e-3;
 impl CameraSettings {
     /// The camera, or what is wrong with it.
     pub fn camera(&self) -> Result<Camera, String> {
-        let world_from_camera = match (self.eye, self.target, self.matrix) {
-            (Some(eye), Some(target), None) => looking(eye, target)?,
-            (None, None, Some(matrix)) => rigid_columns(matrix)?,
+        let camera = match (self.eye, self.target, self.matrix) {
+            (Some(eye), Some(target), None) => looking(eye.into(), target.into())?,
+            (None, None, Some(matrix)) => with_columns(matrix.map(DVec3::from_array))?,
             (_, _, Some(_)) => return Err("a camera has either 'matrix' or 'eye' and 'target'".to_owned()),
             (None, ..) => return Err("missing field `eye`".to_owned()),
             (_, None, _) => return Err("missing field `target`".to_owned()),
@@ -129,7 +133,7 @@ impl CameraSettings {
                 "the picture is moved or stretched too far: shift to {MOST_SHIFT} widths, pixels to {MOST_ASPECT} times as high as wide"
             ));
         }
-        Ok(Camera { name: String::new(), world_from_camera, projection, film })
+        Ok(Camera { projection, film, ..camera })
     }
 
     fn lens(&self) -> Result<(Projection, Film), String> {
@@ -185,24 +189,34 @@ impl CameraSettings {
     }
 }
 
-/// Whether squares of its coordinates stay finite; false for NaN, which a maximum would skip.
-fn is_near(place: Vec3) -> bool {
-    place.to_array().into_iter().all(|coordinate| coordinate.abs() <= LARGEST)
+/// Beyond this distance [m] single precision keeps less than half a millimetre of an eye's place: it then has an origin of its own.
+const FAR_EYE: f64 = 4096.0;
+
+/// The origin for a camera at this place.
+fn origin_of(eye: DVec3) -> DVec3 {
+    if eye.abs().max_element() > FAR_EYE { eye.round() } else { DVec3::ZERO }
 }
 
-fn looking(eye: [f32; 3], target: [f32; 3]) -> Result<Mat4, String> {
-    let (eye, target) = (Vec3::from_array(eye), Vec3::from_array(target));
+/// Whether squares of its coordinates stay finite; false for NaN, which a maximum would skip.
+fn is_near(place: DVec3) -> bool {
+    place.to_array().into_iter().all(|coordinate| coordinate.abs() <= f64::from(LARGEST))
+}
+
+fn looking(eye: DVec3, target: DVec3) -> Result<Camera, String> {
     if !(is_near(eye) && is_near(target)) {
         return Err(format!("eye and target must be finite, and within {LARGEST:.0e} m of the origin"));
     }
+    let origin = origin_of(eye);
+    let (eye, target) = ((eye - origin).as_vec3(), (target - origin).as_vec3());
     if (eye - target).try_normalize().is_none() {
         return Err("eye and target are the same point".to_owned());
     }
-    Ok(Camera::look_at(eye, target, 1.0).world_from_camera)
+    Ok(Camera { origin, ..Camera::look_at(eye, target, 1.0) })
 }
 
-fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
-    let [x, y, z, eye] = columns.map(Vec3::from_array);
+fn with_columns(columns: [DVec3; 4]) -> Result<Camera, String> {
+    let eye = columns[3];
+    let [x, y, z, _] = columns.map(|column| column.as_vec3());
     let gram = [x.dot(x) - 1.0, y.dot(y) - 1.0, z.dot(z) - 1.0, x.dot(y), y.dot(z), z.dot(x)];
     if !gram.iter().all(|value| value.abs() < RIGID) || x.cross(y).dot(z) < 0.0 {
         return Err(
@@ -215,7 +229,11 @@ fn rigid_columns(columns: [[f32; 3]; 4]) -> Result<Mat4, String> {
             "the last column of matrix, the eye, must be finite, and within {LARGEST:.0e} m of the origin"
         ));
     }
-    Ok(Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0)))
+    let origin = origin_of(eye);
+    let columns = [x.extend(0.0), y.extend(0.0), z.extend(0.0), (eye - origin).as_vec3().extend(1.0)];
+    let [x, y, z, eye] = columns;
+    let world_from_camera = Mat4::from_cols(x, y, z, eye);
+    Ok(Camera { world_from_camera, origin, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0) })
 }
 
 impl TryFrom<CameraSettings> for Camera {
@@ -228,14 +246,15 @@ impl TryFrom<CameraSettings> for Camera {
 
 impl From<Camera> for CameraSettings {
     fn from(camera: Camera) -> Self {
-        let column = |index| camera.world_from_camera.col(index).truncate().to_array();
+        let column = |index| camera.world_from_camera.col(index).truncate().to_array().map(as_written);
+        let eye = DVec3::from_array(column(3)) + camera.origin;
         let (fov_radians, half_width) = match camera.projection {
             Projection::Perspective { fov_x } => (Some(fov_x), None),
             Projection::Orthographic { half_width } => (None, Some(half_width)),
         };
         let Film { shift, pixel_aspect } = camera.film;
         Self {
-            matrix: Some([0, 1, 2, 3].map(column)),
+            matrix: Some([column(0), column(1), column(2), eye.to_array()]),
             fov_radians,
             half_width,
             shift: (shift != Vec2::ZERO).then(|| shift.to_array()),
@@ -243,6 +262,11 @@ impl From<Camera> for CameraSettings {
             ..Self::default()
         }
     }
+}
+
+/// The number of fewest digits that is the same in single precision.
+fn as_written(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
 }
 
 #[cfg(test)]
@@ -308,6 +332,14 @@ mod tests {
             let text = toml::to_string(&camera).unwrap();
             assert_eq!(toml::from_str::<Camera>(&text).unwrap(), camera, "{text}");
         }
+        let far = "eye = [500000.125, 12.0, -4500000.875]\ntarget = [500000.0, 10.0, -4500003.25]\nfov = 40";
+        let far: Camera = toml::from_str(far).unwrap();
+        let again: Camera = toml::from_str(&toml::to_string(&far).unwrap()).unwrap();
+        assert_eq!(again, far);
+        let from_here = far.relative_to(DVec3::new(5e5, 0.0, -4.5e6));
+        assert_eq!(from_here.eye(), Vec3::new(0.125, 12.0, -0.875));
+        let towards = Vec3::new(0.125, 2.0, 2.375).normalize();
+        assert!((from_here.world_from_camera.z_axis.truncate() - towards).length() < 1e-6);
         for (text, why) in [
             ("eye = [1, 2, 3]\ntarget = [0, 0, 0]", "missing field `fov`"),
             ("target = [0, 0, 0]\nfov = 40", "missing field `eye`"),

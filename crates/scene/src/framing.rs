@@ -133,10 +133,10 @@ pub(crate) fn square(center: Vec3, half: f32) -> Mesh {
 /// ground) fill a picture of width over height `aspect` up to a small margin. An empty scene is taken for a unit
 /// box on the ground; an aspect that is not positive and finite for 1.
 pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
-    camera_around(scene.bounds_to_frame(), aspect)
+    Camera { origin: scene.origin, ..camera_around(scene.bounds_to_frame(), aspect) }
 }
 
-/// [`default_camera`] of a scene whose models have these bounds.
+/// [`default_camera`] of a scene whose models have these bounds, and which was not moved.
 pub fn camera_around(bounds: Option<Bounds>, aspect: f32) -> Camera {
     let aspect = if aspect.is_finite() && aspect > 0.0 { aspect.clamp(1e-3, 1e3) } else { 1.0 };
     let unit = Bounds { min: Vec3::new(-0.5, 0.0, -0.5), max: Vec3::new(0.5, 1.0, 0.5) };

@@ -61,6 +61,19 @@ pub enum AlphaMode {
         /// Cutoff, 0..1.
         cutoff: f32,
     },
+    /// What lies behind shows through by as much as alpha is below 1. Drawn as a mask, every point as what it is nearer to.
+    Blend,
+}
+
+impl AlphaMode {
+    /// Alpha below which there is a hole; `None` for a surface without.
+    pub fn cutoff(self) -> Option<f32> {
+        match self {
+            Self::Opaque => None,
+            Self::Mask { cutoff } => Some(cutoff),
+            Self::Blend => Some(0.5),
+        }
+    }
 }
 
 /// A surface and the textures that vary it: every texture multiplies its factor, as in glTF.
@@ -86,6 +99,8 @@ pub struct Material {
     pub emissive: Vec3,
     /// sRGB: multiplies `emissive`.
     pub emissive_texture: Option<TextureRef>,
+    /// Whether vertex colours multiply `emissive`, instead of the base colour alone: a surface that emits its colour has them so.
+    pub emissive_vertex_colors: bool,
     /// Base-colour alpha factor.
     pub alpha: f32,
     /// Use of alpha.
@@ -108,6 +123,7 @@ impl Default for Material {
             specular_color_texture: None,
             emissive: Vec3::ZERO,
             emissive_texture: None,
+            emissive_vertex_colors: false,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,

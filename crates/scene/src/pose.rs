@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3, Vec4};
 
-use crate::{Bounds, Mesh, MeshId, NodeId, Scene, SkinId, normal_matrix};
+use crate::{Bounds, Mesh, MeshId, NodeId, Scene, SkinId, mirror_sign, normal_matrix};
 
 /// Largest coordinate [m] or matrix entry that is drawn: squares of it stay finite.
 pub(crate) const LARGEST: f32 = 1e15;
@@ -108,7 +108,8 @@ pub struct WorldVertices {
     pub positions: Vec<Vec3>,
     /// Unit normals.
     pub normals: Vec<Vec3>,
-    /// Unit tangents with the bitangent's sign in w; empty where the mesh has none. They go through the normals' matrix.
+    /// Unit tangents with the bitangent's sign in w; empty where the mesh has none. They go through the normals' matrix, and the sign turns
+    /// where a mesh is mirrored ([`crate::mirror_sign`]).
     pub tangents: Vec<Vec4>,
 }
 
@@ -179,7 +180,7 @@ impl Scene {
             }
             if let Some(tangent) = vertices.tangents.get_mut(vertex) {
                 let turned = (normal_from_mesh * tangent.truncate()).normalize_or_zero();
-                *tangent = turned.extend(tangent.w);
+                *tangent = turned.extend(tangent.w * mirror_sign(&affine));
             }
         }
         vertices

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 use crate::{
     AnimatedNode, Animation, AreaLight, Camera, Influences, Material, MorphTarget, SceneError, Skin, Texture,
@@ -56,6 +56,8 @@ pub struct Node {
     pub parent: Option<NodeId>,
     /// Transform to the parent's space.
     pub parent_from_node: Affine3A,
+    /// Where the origin of the node's space lies in the space that its file means [m]: 0 but in scenes that were moved, as [`Scene::origin`].
+    pub origin: DVec3,
     /// Meshes placed here (one for each primitive of a glTF mesh).
     pub meshes: Vec<MeshId>,
     /// Skin that bends its meshes, which then do not follow the node but the skin's joints.
@@ -78,6 +80,9 @@ pub struct CameraMount {
 /// A clone shares meshes, textures and clips with its original; `Arc::make_mut` gives a scene its own copy of one that is to change.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Scene {
+    /// Where the origin of world space lies in the coordinates of the scene's file [m]: 0 but for scenes that lie far from there for their
+    /// size, which are moved to keep their digits. [`Camera::relative_to`] brings a camera to a scene.
+    pub origin: DVec3,
     /// Meshes.
     pub meshes: Vec<Arc<Mesh>>,
     /// Materials.
@@ -101,6 +106,8 @@ pub struct Scene {
     /// The node of the ground that [`Scene::add_ground`] or a built-in scene put under the models: it is drawn like any
     /// other, but does not count in framing.
     pub ground: Option<NodeId>,
+    /// Names of the material variants that its files have, one of which may be shown.
+    pub variants: Vec<String>,
     /// What the loader repaired or ignored, one line each, for the user to read.
     pub warnings: Vec<String>,
 }
@@ -184,6 +191,7 @@ impl Scene {
         self.meshes.push(Arc::new(mesh));
         self.nodes.push(Node {
             name: name.to_owned(),
+            origin: self.origin,
             meshes: vec![MeshId(self.meshes.len() - 1)],
             ..Node::default()
         });
@@ -193,6 +201,14 @@ impl Scene {
     /// Adds everything of `other` under a new node `root`, which has no meshes. Cameras follow `root`'s transform, without
     /// its scale. A ground of `other` is then a node like any other; its clips follow those that exist.
     pub fn append(&mut self, other: Self, root: Node) {
+        let translation = Vec3::from(root.parent_from_node.translation).as_dvec3();
+        self.append_at(other, root, translation);
+        self.move_origin(self.origin, &[]);
+    }
+
+    /// The same with the translation of `root` in double precision, from file coordinates to file coordinates, where one of the scenes was
+    /// moved from there. Cameras of `other` keep an origin of their own, and so their digits, until [`Scene::move_origin`].
+    pub fn append_at(&mut self, other: Self, mut root: Node, translation: DVec3) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
         let (textures, first) = (self.textures.len(), self.nodes.len() + 1);
         let (skins, cameras) = (self.skins.len(), self.cameras.len());
@@ -215,13 +231,20 @@ impl Scene {
             mesh
         }));
         let (_, rotation, _) = root.parent_from_node.to_scale_rotation_translation();
+        let linear = Mat3::from(root.parent_from_node.matrix3);
         self.cameras.extend(other.cameras.into_iter().map(|mut camera| {
-            let eye = root.parent_from_node.transform_point3(camera.eye());
+            let eye = linear * camera.eye();
             let turned = glam::Mat4::from_quat(rotation) * camera.world_from_camera;
             camera.world_from_camera = turned;
             camera.world_from_camera.w_axis = eye.extend(1.0);
+            camera.origin = linear.as_dmat3() * camera.origin + translation;
             camera
         }));
+        for variant in other.variants {
+            if !self.variants.contains(&variant) {
+                self.variants.push(variant);
+            }
+        }
         self.warnings.extend(other.warnings.into_iter().map(|warning| match root.name.as_str() {
             "" => warning,
             name => format!("{name}: {warning}"),
@@ -248,7 +271,9 @@ impl Scene {
                 node: NodeId(mount.node.0 + first),
             }),
         );
+        root.origin = other.origin;
         self.nodes.push(root);
+        self.place(NodeId(first - 1), translation);
         self.nodes.extend(other.nodes.into_iter().map(|mut node| {
             node.parent = Some(NodeId(node.parent.map_or(first - 1, |parent| parent.0 + first)));
             node.meshes.iter_mut().for_each(|mesh| mesh.0 += meshes);

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat3, Vec2, Vec3, Vec4};
 use gnomon_brdf::Surface;
 
-use crate::{AlphaMode, Material, Mesh, MeshId, Scene, TextureRef, WorldVertices, triangle_normal};
+use crate::{Material, Mesh, MeshId, Scene, TextureRef, WorldVertices, triangle_normal};
 
 /// A surface point with every texture and vertex attribute evaluated.
 ///
@@ -89,6 +89,9 @@ impl Scene {
         if let Some(texture) = material.emissive_texture {
             emissive *= self.srgb(texture, uvs).truncate();
         }
+        if material.emissive_vertex_colors {
+            emissive *= mesh.color_at(corners, barycentrics).truncate();
+        }
 
         let plane = triangle_normal(corners.map(|index| positions[index]));
         let interpolated = if normals.is_empty() {
@@ -123,7 +126,7 @@ impl Scene {
     /// the rest, for shadow rays.
     pub fn visible_at(&self, mesh: MeshId, triangle: usize, barycentrics: Vec3) -> bool {
         let material = self.material(mesh);
-        if material.alpha_mode == AlphaMode::Opaque {
+        if material.alpha_mode.cutoff().is_none() {
             return true;
         }
         let mesh = &self.meshes[mesh.0];
@@ -145,11 +148,7 @@ impl Scene {
         if let Some(texture) = material.base_color_texture {
             base *= self.srgb(texture, uvs);
         }
-        if !mesh.colors.is_empty() {
-            let [a, b, c] = corners.map(|index| mesh.colors[index]);
-            base *= barycentrics.x * a + barycentrics.y * b + barycentrics.z * c;
-        }
-        base
+        base * mesh.color_at(corners, barycentrics)
     }
 
     fn linear(&self, texture: TextureRef, uvs: [Vec2; 2]) -> Vec4 {
@@ -162,6 +161,14 @@ impl Scene {
 }
 
 impl Mesh {
+    fn color_at(&self, corners: [usize; 3], barycentrics: Vec3) -> Vec4 {
+        if self.colors.is_empty() {
+            return Vec4::ONE;
+        }
+        let [a, b, c] = corners.map(|index| self.colors[index]);
+        barycentrics.x * a + barycentrics.y * b + barycentrics.z * c
+    }
+
     fn uvs_at(&self, corners: [usize; 3], barycentrics: Vec3) -> [Vec2; 2] {
         self.uvs.each_ref().map(|set| {
             if set.is_empty() {
@@ -196,11 +203,19 @@ pub fn normal_matrix(world_from_mesh: &Affine3A) -> Mat3 {
     if m.determinant() < 0.0 { -cofactors } else { cofactors }
 }
 
+/// -1 for a transform that mirrors, else 1: the bitangent's sign is multiplied by it.
+///
+/// glTF defines the bitangent in the mesh and does not say what a mirroring node does to it. Here the relief of a normal map is mirrored with
+/// the shape, so that a mirrored node looks like the mirror image of the mesh, and like mirrored vertices would. Blender does so
+/// (`node_normal_map` of its shaders turns the bitangent for objects of negative scale; Cycles bends the normal before it transforms it), Bevy
+/// (`mesh_tangent_local_to_world`), and three.js where a mesh brings no tangents; where it does, three.js leaves the sign, and dents become
+/// bumps.
+pub fn mirror_sign(world_from_mesh: &Affine3A) -> f32 {
+    if world_from_mesh.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 }
+}
+
 fn is_visible(material: &Material, alpha: f32) -> bool {
-    match material.alpha_mode {
-        AlphaMode::Opaque => true,
-        AlphaMode::Mask { cutoff } => alpha >= cutoff,
-    }
+    material.alpha_mode.cutoff().is_none_or(|cutoff| alpha >= cutoff)
 }
 
 fn weighted(weights: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
@@ -214,7 +229,7 @@ mod tests {
     use glam::{Affine2, Affine3A};
 
     use super::*;
-    use crate::{MaterialId, Node, Texture, TextureId, Wrap};
+    use crate::{AlphaMode, MaterialId, Node, Texture, TextureId, Wrap};
 
     /// One triangle in z = 0 with uv = xy, and one 2 x 1 texture.
     fn scene(texels: [[u8; 4]; 2], set_up: impl FnOnce(&mut Material, TextureRef)) -> Scene {

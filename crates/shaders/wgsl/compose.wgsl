@@ -1,6 +1,7 @@
 #import environment
 #import gbuffer_surface
 #import cached_radiance
+#import lobe_samples
 #import sh
 #import light_sums
 #import form_factor
@@ -32,7 +33,7 @@ fn background_at(sample: vec2u) -> vec3f {
     }
     let near = unproject(sample, 1.0);
     let direction = environment_direction(normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz));
-    return equirect_lookup(background, direction, 0);
+    return equirect_lookup(background, direction, 0) * view.background_scale;
 }
 
 // Radiance of a surface under these sums.
@@ -61,13 +62,22 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
         let reflected = reflect(-surface.wo, surface.n);
         let reflected_environment = environment_direction(reflected);
         let level = prefiltered_level(alpha_from_roughness(roughness), f32(textureNumLevels(prefiltered_full) - 1u));
-        let ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
+        // Traced gloss is of the whole environment.
+        let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u;
+        var ambient_specular = vec3f(0.0);
+        if !is_traced {
+            ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
+        }
         let fit_specular = ambient_specular + sums.specular_unshadowed;
-        var full_specular = fit_specular;
+        var full_specular: vec3f;
         let layer = cached_layer(surface.lobe);
-        if layer >= 0 && !has_own_light {
+        if is_traced || has_own_light {
+            full_specular = fit_specular;
+        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u {
+            full_specular = sampled_specular(surface);
+        } else if layer >= 0 {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
-        } else if !has_own_light {
+        } else {
             full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
         }
         result += composite(
@@ -86,7 +96,9 @@ fn sums_of(sample: vec2u, surface: Surface, is_smooth: bool, own_of_pixel: u32) 
     var point = own_point(sample);
     if point == NO_POINT && is_smooth {
         point = own_of_pixel;
-        if point == NO_POINT && view.point_lists[list].sampling <= view.supersample {
+        // Few rays are grainy, and neighbours have others.
+        let is_grainy = (view.flags & FLAG_TRACED_GLOSS) != 0u && has_lobe(surface.lobe);
+        if point == NO_POINT && !is_grainy && view.point_lists[list].sampling <= view.supersample {
             point = neighbour_point(list, sample, 4);
         }
     }

@@ -4,7 +4,7 @@
 
 // The frame of the pass that makes a picture of the sums: the environment.
 
-// The whole environment as the camera sees it, with mip levels.
+// The whole environment as the camera sees it, in units of view.background_scale.
 @group(GROUP_FRAME) @binding(1) var background: texture_2d<f32>;
 // Irradiance over the sphere of normals of all but the emitters.
 @group(GROUP_FRAME) @binding(2) var irradiance_rest: texture_2d<f32>;
@@ -16,6 +16,9 @@
 
 // Small bright parts of the environment, in its own frame.
 @group(GROUP_FRAME) @binding(9) var<uniform> emitters: Emitters;
+
+// The whole environment with mip levels.
+@group(GROUP_FRAME) @binding(10) var environment_levels: texture_2d<f32>;
 
 // A direction of the world in the frame that the maps and coefficients are in.
 fn environment_direction(direction_world: vec3f) -> vec3f {

@@ -5,7 +5,7 @@ fn equirect_size(map: texture_2d<f32>, level: i32) -> vec2i {
     return max(vec2i(textureDimensions(map, 0)) >> vec2u(u32(level)), vec2i(1));
 }
 
-// Texel of an equirect map whose columns wrap and whose rows continue over the poles.
+// Texel of an equirect map whose columns wrap, for one width beyond either side, and whose rows continue over the poles.
 fn equirect_texel(map: texture_2d<f32>, x: i32, y: i32, level: i32) -> vec3f {
     let size = equirect_size(map, level);
     var column = x;
@@ -17,7 +17,9 @@ fn equirect_texel(map: texture_2d<f32>, x: i32, y: i32, level: i32) -> vec3f {
         row = 2 * size.y - 1 - row;
         column += size.x / 2;
     }
-    column = ((column % size.x) + size.x) % size.x;
+    // Not by remainders: a whole division costs as much as the texel.
+    column += select(0, size.x, column < 0);
+    column -= select(0, size.x, column >= size.x);
     return textureLoad(map, vec2i(column, clamp(row, 0, size.y - 1)), level).rgb;
 }
 

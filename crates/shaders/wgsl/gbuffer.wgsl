@@ -57,7 +57,7 @@ fn gbuffer_fragment(surface: Varying) -> GBufferSample {
     var packed: PackedSurface;
     packed.material = surface.material;
     packed.uv = fract(surface.uvs.xy);
-    packed.emission = vec3f(1.0);
+    packed.emission = select(vec3f(1.0), surface.color.rgb, material.emissive_vertex_colors != 0u);
     packed.specular_color = vec3f(1.0);
     packed.specular = 1.0;
     packed.roughness = 1.0;

@@ -42,7 +42,8 @@ fn light(
         }
         let diffuse = lights[light].radiance * form_factor;
         var specular = vec3f(0.0);
-        if has_lobe(surface.lobe) {
+        let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && lights[light].kind == KIND_DISTANT;
+        if has_lobe(surface.lobe) && !is_traced {
             specular = light_specular(light, surface) * lights[light].radiance;
         }
         if lights[light].kind == KIND_DISTANT {

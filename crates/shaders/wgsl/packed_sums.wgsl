@@ -69,9 +69,12 @@ fn load_sums(point: u32) -> LightSums {
 }
 
 // Luminance so far, as irradiance that a white surface would reflect: what arrives (x), and what would without shadows (y), as far as
-// that is known.
+// that is known. Traced gloss counts without its shadows, which are grainy: grain asks for no more points.
 fn luminance_so_far(point: u32) -> vec2f {
-    let sums = load_sums(point);
+    var sums = load_sums(point);
+    if (view.flags & FLAG_TRACED_GLOSS) != 0u {
+        sums.specular_shadowed = sums.specular_unshadowed;
+    }
     let near = luminance(sums.diffuse_near + PI * sums.specular_near);
     return vec2f(
         luminance(sums.diffuse_shadowed + PI * sums.specular_shadowed) + near,

@@ -19,6 +19,8 @@ struct Placed {
     position: vec3f,
     normal: vec3f,
     tangent: vec3f,
+    // Of the bitangent: -1 where the mesh is mirrored, `mirror_sign` of the reference.
+    side: f32,
 }
 
 fn record_vector(at: u32) -> vec3f {
@@ -28,14 +30,22 @@ fn record_vector(at: u32) -> vec3f {
 // Cofactors, on the side that was the front: for normals, and for the tangents of normal maps, as the reference does it.
 fn normal_matrix(m: mat3x3f) -> mat3x3f {
     let cofactors = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
-    return select(1.0, -1.0, dot(m[0], cofactors[0]) < 0.0) * cofactors;
+    return mirror_sign(m) * cofactors;
+}
+
+fn mirror_sign(m: mat3x3f) -> f32 {
+    return select(1.0, -1.0, determinant(m) < 0.0);
+}
+
+fn linear_part(m: mat4x4f) -> mat3x3f {
+    return mat3x3f(m[0].xyz, m[1].xyz, m[2].xyz);
 }
 
 fn deformed(vertex: MeshVertex, instance: Instance) -> Placed {
     let joint_count = records[vertex.record];
     let target_count = records[vertex.record + 1u];
     var at = vertex.record + 2u + 2u * joint_count;
-    var placed = Placed(vertex.position, vertex.normal, vertex.tangent);
+    var placed = Placed(vertex.position, vertex.normal, vertex.tangent, 1.0);
     for (var i = 0u; i < target_count; i += 1u) {
         let weight = weights[instance.first_weight + records[at]];
         placed.position += weight * record_vector(at + 1u);
@@ -51,13 +61,14 @@ fn deformed(vertex: MeshVertex, instance: Instance) -> Placed {
             world_from_mesh += bitcast<f32>(records[entry + 1u]) * joints[instance.first_joint + records[entry]];
         }
     }
-    let linear = mat3x3f(world_from_mesh[0].xyz, world_from_mesh[1].xyz, world_from_mesh[2].xyz);
+    let linear = linear_part(world_from_mesh);
     let normal_from_mesh = normal_matrix(linear);
     // Not through the matrix's fourth row: weights sum to 1 only up to rounding.
     return Placed(
         linear * placed.position + world_from_mesh[3].xyz,
         normal_from_mesh * placed.normal,
         normal_from_mesh * placed.tangent,
+        mirror_sign(linear),
     );
 }
 
@@ -75,11 +86,12 @@ fn transform(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
         placed.position = (instance.world_from_mesh * vec4f(vertex.position, 1.0)).xyz;
         placed.normal = (instance.normal_from_mesh * vec4f(vertex.normal, 0.0)).xyz;
         placed.tangent = (instance.normal_from_mesh * vec4f(vertex.tangent, 0.0)).xyz;
+        placed.side = mirror_sign(linear_part(instance.world_from_mesh));
     } else {
         placed = deformed(vertex, instance);
         placed.tangent /= max(length(placed.tangent), 1e-20);
     }
     positions_world[index] = vec4f(placed.position, 1.0);
     normals_world[index] = vec4f(placed.normal / max(length(placed.normal), 1e-20), 0.0);
-    tangents_world[index] = vec4f(placed.tangent, vertex.tangent_sign);
+    tangents_world[index] = vec4f(placed.tangent, placed.side * vertex.tangent_sign);
 }

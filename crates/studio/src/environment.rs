@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
-use gnomon_envmap::{Equirect, Projection, builtin, load};
+use gnomon_envmap::{Equirect, LoadOptions, builtin, load};
 use gnomon_lights::fit::FitSettings;
 use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet};
 use gnomon_messages::quoted;
@@ -125,7 +125,8 @@ impl Reader<'_> {
             surroundings.grade(environment);
         }
         if let Some(background) = &environment.background_map {
-            surroundings.background = Some(Arc::new(self.map(Path::new(background), None)?));
+            surroundings.background =
+                Some(Arc::new(self.map(Path::new(background), LoadOptions::default())?));
         }
         Ok((surroundings, self.warnings))
     }
@@ -142,7 +143,7 @@ impl Reader<'_> {
             }
             Some(EnvironmentSource::File(path)) => {
                 let is_there = self.files.is_some() || path.exists();
-                match self.map(path, look.environment.projection) {
+                match self.map(path, look.environment.load_options()) {
                     Err(_) if !is_there => Err(no_environment(&path.to_string_lossy(), &names())),
                     map => Ok(Arc::new(map?)),
                 }
@@ -150,10 +151,10 @@ impl Reader<'_> {
         }
     }
 
-    fn map(&mut self, path: &Path, projection: Option<Projection>) -> Result<Equirect, StudioError> {
+    fn map(&mut self, path: &Path, options: LoadOptions<'_>) -> Result<Equirect, StudioError> {
         let environment = match self.files {
-            Some(files) => files.environment(path, projection)?,
-            None => load(path, projection)?,
+            Some(files) => files.environment(path, options)?,
+            None => load(path, options)?,
         };
         self.warnings.extend(environment.warnings().iter().map(|w| format!("{}: {w}", path.display())));
         Ok(environment.map)
@@ -171,7 +172,7 @@ impl Reader<'_> {
         let rig = LightDocument::from_json(&text).map_err(|error| invalid(quoted(&error.to_string())))?;
         let beside = |file: &String| path.parent().unwrap_or(Path::new("")).join(file);
         let map = match &rig.residual {
-            Some(file) => self.map(&beside(file), None)?,
+            Some(file) => self.map(&beside(file), LoadOptions::default())?,
             None if rig.residual_flux.iter().any(|flux| *flux > 0.0) => {
                 return Err(invalid(
                     "its lights leave a map (residual_flux), but it names none (residual)".to_owned(),
@@ -181,7 +182,7 @@ impl Reader<'_> {
         };
         let background = match (&look.map, &rig.background) {
             (Some(_), _) => Some(self.environment(look)?),
-            (None, Some(file)) => Some(Arc::new(self.map(&beside(file), None)?)),
+            (None, Some(file)) => Some(Arc::new(self.map(&beside(file), LoadOptions::default())?)),
             (None, None) => None,
         };
         let exposure = background.as_deref().unwrap_or(&map).suitable_exposure();

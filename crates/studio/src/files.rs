@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnomon_envmap::{Environment, Projection, from_bytes};
+use gnomon_envmap::{Environment, LoadOptions, from_bytes};
 use gnomon_scene_files::{ReadError, Resolver};
 
 use crate::StudioError;
@@ -46,9 +46,9 @@ impl SceneFiles {
     pub(crate) fn environment(
         &self,
         path: &Path,
-        projection: Option<Projection>,
+        options: LoadOptions<'_>,
     ) -> Result<Environment, StudioError> {
-        Ok(from_bytes(path, &self.bytes(path)?, projection)?)
+        Ok(from_bytes(path, &self.bytes(path)?, options)?)
     }
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, StudioError> {

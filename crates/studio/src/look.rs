@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gnomon_brdf::Surface;
-use gnomon_envmap::Projection;
+use gnomon_envmap::{LoadOptions, Projection};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{
     Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, color, file, number, settings,
@@ -13,7 +13,7 @@ use gnomon_renderer::{
     DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
 };
 use gnomon_scene::{Camera, Ground, ReflectanceSettings};
-use gnomon_scene_files::EnvironmentSource;
+use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
 use serde::{Deserialize, Serialize};
 
 use crate::StudioError;
@@ -78,6 +78,8 @@ settings! {
     pub struct EnvironmentLook in ENVIRONMENT {
         /// Layout of the environment's file, where its shape does not tell.
         projection: Option<Projection> = None, choice(Projection::choices).automatic("by its shape", 0.0);
+        /// Layer of an OpenEXR environment, or one channel of it by its whole name.
+        layer: Option<String> = None, text().automatic("the one that is plainly the picture", 0.0).flag("env-layer");
         /// Turn of the environment about +y by the right-hand rule.
         rotation: f32 = 0.0, angle().flag("env-rotation");
         /// Factor of all its light. The exposure that is left to the program stays that of the file.
@@ -111,11 +113,31 @@ impl EnvironmentLook {
     }
 }
 
+impl EnvironmentLook {
+    /// How the environment's file is read.
+    pub fn load_options(&self) -> LoadOptions<'_> {
+        LoadOptions { projection: self.projection, layer: self.layer.as_deref() }
+    }
+}
+
 settings! {
-    /// What is added to a scene.
+    /// What is added to a scene, and how its files are meant.
     pub struct SceneLook in SCENE {
         /// What lies under the models: under their lowest point, over the whole of the clip that plays.
-        ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ and PLY files, none for others");
+        ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ, PLY and STL files, none for others");
+        /// Material variant of glTF models that is shown, by its name.
+        variant: Option<String> = None, text().automatic("each model's own materials", 0.0);
+        /// The axis that points up in files that do not say: OBJ, PLY and STL.
+        up: UpAxis = UpAxis::Y, choice(UpAxis::choices);
+        /// Length of the unit of files that do not say: OBJ, PLY and STL.
+        unit: f32 = 1.0, number(1e-6, 1e6).unit("m").words(&UNITS);
+    }
+}
+
+impl SceneLook {
+    /// Axes and unit, as readers of files take them.
+    pub(crate) fn axes(&self) -> Axes {
+        Axes { up: Some(self.up), unit: Some(self.unit) }
     }
 }
 

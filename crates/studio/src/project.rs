@@ -8,7 +8,7 @@ use gnomon_options::Given;
 use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
-    ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
+    Axes, ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
 };
 use serde::{Deserialize, Deserializer};
 
@@ -33,6 +33,31 @@ impl SceneSource {
             true => Self::Builtin(name.to_owned()),
             false => Self::File(PathBuf::from(name)),
         }
+    }
+}
+
+impl SceneSource {
+    /// Reads the scene as a look has it; files that do not say with these axes.
+    ///
+    /// # Errors
+    /// Names of nothing, files that cannot be used, a material variant that they do not have.
+    pub(crate) fn load(&self, look: &Look, axes: Axes) -> Result<LoadedScene, StudioError> {
+        let variant = look.scene.variant.clone();
+        let options = LoadOptions { aspect: look.picture.aspect(), variant, axes, ..LoadOptions::default() };
+        Ok(match self {
+            Self::Builtin(name) => {
+                if let Some(variant) = &options.variant {
+                    let variant = gnomon_messages::quoted(variant);
+                    return Err(StudioError::Request(format!(
+                        "the built-in scene {name} has no material variant '{variant}'"
+                    )));
+                }
+                let scene = builtin::by_name(name)?;
+                LoadedScene { scene, environment: None, ground: Ground::None, variant: None, axes }
+            }
+            Self::File(path) => load(path, &options)?,
+            Self::Files(files) => load_from(files.path(), files.resolver(), &options)?,
+        })
     }
 }
 
@@ -119,7 +144,7 @@ impl Project {
         let folder = folder.unwrap_or(Path::new(""));
         let environment =
             environment.map_files::<EnvironmentLook>(|file| folder.join(file).to_string_lossy().into_owned());
-        look.animation = AnimationLook::default();
+        (look.scene, look.animation) = Default::default();
         [&fit, &render, &display, &animation, given].into_iter().for_each(|given| given.apply(&mut look));
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
@@ -130,16 +155,16 @@ impl Project {
                 None => look.reflectance = Some(reflectance),
             }
         }
-        let options = LoadOptions { aspect: look.picture.aspect(), ..LoadOptions::default() };
-        let LoadedScene { scene, environment: own, ground } = match &source {
-            SceneSource::Builtin(name) => {
-                let scene = builtin::by_name(name)?;
-                LoadedScene { scene, environment: None, ground: Ground::None }
-            }
-            SceneSource::File(path) => load(path, &options)?,
-            SceneSource::Files(files) => load_from(files.path(), files.resolver(), &options)?,
-        };
-        look.scene = SceneLook { ground };
+        look.scene = SceneLook::default();
+        given.apply(&mut look.scene);
+        let asked = look.scene.axes();
+        let axes =
+            Axes { up: asked.up.filter(|_| given.has("up")), unit: asked.unit.filter(|_| given.has("unit")) };
+        let LoadedScene { scene, environment: own, ground, variant, axes } = source.load(&look, axes)?;
+        look.scene.ground = ground;
+        look.scene.variant = variant;
+        look.scene.up = axes.up.unwrap_or(look.scene.up);
+        look.scene.unit = axes.unit.unwrap_or(look.scene.unit);
         let brings_environment = own.is_some();
         if let Some(own) = own {
             look.map = own.source;

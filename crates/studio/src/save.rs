@@ -52,8 +52,19 @@ struct SurfaceTable<'a> {
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
-const REPLACED: [&str; 8] =
-    ["ground", "camera", "environment", "fit", "render", "display", "animation", "surface"];
+const REPLACED: [&str; 11] = [
+    "ground",
+    "variant",
+    "up",
+    "unit",
+    "camera",
+    "environment",
+    "fit",
+    "render",
+    "display",
+    "animation",
+    "surface",
+];
 
 impl Stage {
     /// Writes a scene file of which `gnomon render` makes the same picture. Models and maps stay where they are: the file names them, by

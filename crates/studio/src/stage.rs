@@ -50,6 +50,8 @@ pub(crate) struct LookChange {
     pub moved: bool,
     /// Clip.
     reaches_elsewhere: bool,
+    /// What its files mean.
+    meant: bool,
 }
 
 impl LookChange {
@@ -59,6 +61,7 @@ impl LookChange {
                 != (&new.reflectance, &new.surfaces, &new.scene),
             moved: was.animation != new.animation,
             reaches_elsewhere: was.animation.clip != new.animation.clip,
+            meant: was.scene.axes() != new.scene.axes() || was.scene.variant != new.scene.variant,
         }
     }
 }
@@ -207,7 +210,7 @@ impl Stage {
     /// [`StudioError::Scene`] for a camera that the scene does not have.
     pub fn camera(&self) -> Result<Camera, StudioError> {
         match &self.look.camera {
-            CameraLook::Free(camera) => Ok(camera.clone()),
+            CameraLook::Free(camera) => Ok(camera.relative_to(self.scene.origin)),
             CameraLook::Named(name) => Ok(self.scene.camera(Some(name))?.clone()),
             CameraLook::Automatic => {
                 Ok(self.scene.cameras.first().cloned().unwrap_or_else(|| self.framing()))
@@ -223,7 +226,7 @@ impl Stage {
 
     /// A view that frames the scene's models: as they are at rest, or wherever the look's clip takes them.
     pub fn framing(&self) -> Camera {
-        camera_around(self.reach, self.look.picture.aspect())
+        Camera { origin: self.scene.origin, ..camera_around(self.reach, self.look.picture.aspect()) }
     }
 
     /// The middle of what [`Stage::framing`] frames [m].
@@ -281,8 +284,14 @@ impl Stage {
     pub(crate) fn with_look(&self, look: Look) -> Result<(Self, LookChange), StudioError> {
         look.check()?;
         let change = LookChange::between(&self.look, &look);
-        let loaded = &self.loaded;
-        let reach = match change.reaches_elsewhere {
+        let loaded = match change.meant {
+            true => {
+                let scene = self.source.load(&look, look.scene.axes())?.scene;
+                Arc::new(Loaded::new(scene, look.picture.aspect()))
+            }
+            false => Arc::clone(&self.loaded),
+        };
+        let reach = match change.reaches_elsewhere || change.meant {
             true => loaded.reach(&look.animation)?,
             false => self.reach,
         };
@@ -301,10 +310,11 @@ impl Stage {
             pose(&mut scene, &look.animation)?;
             (Arc::new(scene), stands_on_ground)
         };
-        let mut stage = Self { look, scene, reach, stands_on_ground, ..self.clone() };
+        let mut stage = Self { look, scene, loaded, reach, stands_on_ground, ..self.clone() };
         stage.camera()?;
         if change.dressed {
-            stage.warnings.extend(loaded.new_warnings(&stage.source, &stage.scene));
+            let warnings = stage.loaded.new_warnings(&stage.source, &stage.scene);
+            stage.warnings.extend(warnings);
         }
         Ok((stage, change))
     }

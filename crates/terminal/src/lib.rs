@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use gnomon_messages::{one_line, with_causes};
+pub use gnomon_messages::{one_line, with_causes};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Why a command could not speak, or was not understood.

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use gnomon_scene::{Bounds, Camera, Film, Projection};
 
 /// Highest tilt up and down [rad]: straight up has no direction to the side.
@@ -22,6 +22,8 @@ pub struct Orbit {
     distance: f32,
     projection: Projection,
     film: Film,
+    /// Of the space of all that ([`Camera::origin`]).
+    origin: DVec3,
 }
 
 impl Orbit {
@@ -39,14 +41,15 @@ impl Orbit {
             distance,
             projection: camera.projection,
             film: camera.film,
+            origin: camera.origin,
         }
     }
 
     /// The camera.
     pub fn camera(&self) -> Camera {
         let eye = self.target + self.distance * self.back();
-        let Self { projection, film, .. } = *self;
-        Camera { projection, film, ..Camera::look_at(eye, self.target, 1.0) }
+        let Self { projection, film, origin, .. } = *self;
+        Camera { projection, film, origin, ..Camera::look_at(eye, self.target, 1.0) }
     }
 
     fn back(&self) -> Vec3 {

@@ -5,6 +5,7 @@ pub mod compare;
 pub mod decompose;
 pub mod demo;
 pub mod info;
+pub mod inspect;
 mod level_of_detail;
 pub mod reference;
 pub mod render;

@@ -98,7 +98,9 @@ fn reflectance_help() -> String {
 /// # Errors
 /// An environment that cannot be used, a clip or camera that the scene does not have.
 pub fn stage(project: Project, terminal: Terminal) -> Result<Stage, CliError> {
+    let spinner = terminal.spinner("reading");
     let mut stage = Stage::new(project)?;
+    drop(spinner);
     stage.take_warnings().iter().for_each(|warning| terminal.warn(warning));
     Ok(stage)
 }

@@ -17,7 +17,7 @@ pub(super) const ENTRY: Entry = Entry {
     shape: "1:1",
     attribute: None,
     fits: |width, height| width > 0 && width == height,
-    unfold: |image, _| Probe::unfold(image, -1.0),
+    unfold: |image, _| Probe::unfold(&image, -1.0),
 };
 
 /// As OpenImageIO reads it: the centre looks along +z and +x is to the right, so that what it makes of a photographed probe
@@ -27,7 +27,7 @@ pub(super) const MIRRORED: Entry = Entry {
     shape: "1:1",
     attribute: None,
     fits: |_, _| false,
-    unfold: |image, _| Probe::unfold(image, 1.0),
+    unfold: |image, _| Probe::unfold(&image, 1.0),
 };
 
 struct Probe {

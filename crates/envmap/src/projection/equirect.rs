@@ -14,7 +14,7 @@ pub(super) const ENTRY: Entry = Entry {
     fits: |width, height| height > 0 && (f64::from(width) / f64::from(height) - 2.0).abs() <= 0.02,
     unfold: |image, sampling| {
         let filled = image.width() > 0 && image.height() > 0;
-        filled.then(|| Box::new(Texels { image: image.clone(), sampling }) as Box<dyn Unfolded>)
+        filled.then(|| Box::new(Texels { image, sampling }) as Box<dyn Unfolded>)
     },
 };
 

@@ -41,7 +41,7 @@ struct Entry {
     /// Whether a picture of this width and height looks like it.
     fits: fn(u32, u32) -> bool,
     /// Takes the picture apart, if its size allows.
-    unfold: fn(&RgbImage, Sampling) -> Option<Box<dyn Unfolded>>,
+    unfold: fn(RgbImage, Sampling) -> Option<Box<dyn Unfolded>>,
 }
 
 /// Every projection; the first that fits a picture's shape is taken.
@@ -85,12 +85,16 @@ impl Projection {
     /// Takes a picture apart; `None` if its size does not allow this projection.
     pub(crate) fn unfold(
         self,
-        image: &RgbImage,
+        image: RgbImage,
         attribute: Option<EnvironmentAttribute>,
     ) -> Option<Box<dyn Unfolded>> {
-        let entry = self.entry()?;
-        let announced = attribute.is_some() && entry.attribute == attribute;
-        (entry.unfold)(image, if announced { Sampling::EdgeToEdge } else { Sampling::Areas })
+        (self.entry()?.unfold)(image, self.sampling(attribute))
+    }
+
+    /// What the texels of a picture with this attribute stand for.
+    pub(crate) fn sampling(self, attribute: Option<EnvironmentAttribute>) -> Sampling {
+        let announced = self.entry().is_some_and(|entry| attribute.is_some() && entry.attribute == attribute);
+        if announced { Sampling::EdgeToEdge } else { Sampling::Areas }
     }
 
     fn entry(self) -> Option<&'static Entry> {

@@ -141,8 +141,12 @@ fn changes(lab: &Lab<'_>, name: &str) -> Result<Vec<Cell>, LabError> {
     renderer.draw(&view.camera, width, height)?;
 
     let start = Instant::now();
-    let read =
-        lab.options.data.environment_file(name).map(|path| gnomon_envmap::load(&path, None)).transpose()?;
+    let read = lab
+        .options
+        .data
+        .environment_file(name)
+        .map(|path| gnomon_envmap::load(&path, Default::default()))
+        .transpose()?;
     let read_time = read.as_ref().map(|_| milliseconds(start));
     let map = read.map_or_else(|| environment.map.clone(), |read| read.map);
     let start_fit = Instant::now();

@@ -14,7 +14,7 @@ use crate::geometry::{Geometry, MovedGeometry};
 use crate::lighting::{Lighting, PreparedLighting};
 use crate::materials::{MaterialRecords, Materials};
 use crate::radiance_cache::RadianceCache;
-use crate::ray_scene::RayScene;
+use crate::ray_scene::{self, RayScene};
 use crate::settings::{Chosen, in_range};
 
 /// What a renderer is to take over, all of it or nothing ([`Renderer::change`]). What is `None` stays as it is.
@@ -154,7 +154,12 @@ impl Renderer {
         };
         let in_force = is.lit.as_ref().map(|lit| &lit.lighting);
         let technique = lighting.as_ref().or(in_force).map(|l| self.technique(&chosen, l, geometry));
-        let traces_rays = technique.is_some_and(|technique| technique.traces_rays());
+        let surfaces = scene.surfaces.as_ref().unwrap_or(&self.surfaces);
+        let has_room = ray_scene::has_room_for(gpu, geometry);
+        // Lights that stand for themselves are what is reflected.
+        let has_map = lighting.as_ref().or(in_force).is_some_and(|lighting| !lighting.stands_alone);
+        let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, has_room);
+        let traces_rays = traces_gloss || technique.is_some_and(|technique| technique.traces_rays());
         let ray_scene = match traces_rays && (is_new || self.ray_scene.is_none()) {
             true => Some(RayScene::new(gpu, &self.passes.refit, geometry, self.ray_scene.as_ref())?),
             false => None,
@@ -163,6 +168,7 @@ impl Renderer {
         let needs_maps = other_techniques
             || near_lights.len() != self.near_lights.len()
             || ray_scene.is_some()
+            || is.lit.as_ref().is_some_and(|lit| lit.gloss.is_some() != traces_gloss)
             || technique.map(|t| t.name()) != is.lit.as_ref().map(|lit| lit.technique.name());
         let surroundings = technique.map(|technique| Surroundings {
             chosen: &chosen,
@@ -171,6 +177,7 @@ impl Renderer {
             cache: cache.as_ref().unwrap_or(&is.cache),
             near_lights,
             ray_scene: ray_scene.as_ref().or(self.ray_scene.as_ref()).filter(|_| traces_rays),
+            traces_gloss,
             world_from_environment,
         });
         let lighting = lighting.or_else(|| in_force.filter(|_| needs_maps).cloned());

@@ -25,7 +25,7 @@ impl Debug {
 
     /// What it needs of every batch of lights.
     pub fn groups(&self, gpu: &Gpu, view: &wgpu::Buffer, lit: &Lit) -> Vec<DebugGroup> {
-        let background = &lit.lighting.background;
+        let background = &lit.lighting.seen;
         let group = |(lights, maps)| self.pass.group(gpu, view, background, lights, maps);
         lit.batches.lights_and_maps().map(group).collect()
     }

@@ -226,6 +226,10 @@ impl Renderer {
             self.passes.points.encode(&mut recorder, &target.points, stage, &self.view_group, gbuffer_group);
             recorder.end_pass("points")?;
             lit.batches.encode(&mut recorder, &lit.light, scene, stage)?;
+            if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
+                gloss.encode(&mut recorder, gbuffer_group, &target.points, stage);
+                recorder.end_pass("gloss")?;
+            }
         }
         let (mut exposure, mut tone_mapping) =
             (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
@@ -268,13 +272,18 @@ impl Renderer {
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
-                | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS),
+                | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
+                | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
+                | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
             interleave,
             point_lists: plan.lists(),
             point_list_count: plan.samplings.len() as u32,
-            sum_scales: lit.batches.sum_scales(),
+            gloss_samples: settings.techniques.gloss_samples,
+            rough_gloss_list: lit.batches.first_list() as u32,
+            sum_scales: lit.sum_scales(),
+            background_scale: lit.lighting.seen_scale,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,

@@ -1,6 +1,6 @@
 //! What a renderer makes of its settings and lights: built whole, then swapped in, so that what fails leaves everything as it was.
 
-use glam::Quat;
+use glam::{Quat, Vec3};
 use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
@@ -8,6 +8,7 @@ use super::{Passes, Renderer};
 use crate::compose::ComposePass;
 use crate::debug_view::DebugGroup;
 use crate::geometry::Geometry;
+use crate::gloss::GlossPass;
 use crate::light_batches::{BatchContext, LightBatches};
 use crate::light_pass::LightPass;
 use crate::lighting::Lighting;
@@ -33,6 +34,8 @@ pub(super) struct Lit {
     pub technique: &'static dyn ShadowTechnique,
     pub batches: LightBatches,
     pub light: LightPass,
+    /// Where glossy surfaces are traced.
+    pub gloss: Option<GlossPass>,
     pub environment: EnvironmentGroups,
     /// Where there is a debug view, one for every batch.
     pub debug_groups: Vec<DebugGroup>,
@@ -52,9 +55,23 @@ pub(super) struct Surroundings<'a> {
     pub cache: &'a RadianceCache,
     /// The scene's own lights.
     pub near_lights: &'a [PlacedLight],
-    /// Where the technique traces rays.
+    /// Where the technique or gloss traces rays.
     pub ray_scene: Option<&'a RayScene>,
+    /// Whether gloss does.
+    pub traces_gloss: bool,
     pub world_from_environment: Quat,
+}
+
+impl Lit {
+    /// What sums of light are multiplied by to be kept in halves ([`layout::View::sum_scales`]).
+    pub fn sum_scales(&self) -> Vec3 {
+        // The mean of a lobe's samples is no brighter than the brightest texel.
+        let specular = match self.gloss.is_some() && self.lighting.peak > 0.0 {
+            true => 16384.0 / self.lighting.peak,
+            false => self.batches.sum_scales().y,
+        };
+        self.batches.sum_scales().with_y(specular)
+    }
 }
 
 impl Passes {
@@ -71,8 +88,8 @@ impl Renderer {
         surroundings: &Surroundings<'_>,
         mut lighting: Lighting,
     ) -> Result<Lit, RenderError> {
-        let &Surroundings { chosen, technique, near_lights, ray_scene, world_from_environment, .. } =
-            surroundings;
+        let &Surroundings { chosen, technique, near_lights, world_from_environment, .. } = surroundings;
+        let ray_scene = surroundings.ray_scene.filter(|_| technique.traces_rays());
         lighting.turn(world_from_environment);
         let (gpu, passes) = (&self.gpu, &self.passes);
         let settings = &chosen.settings.techniques;
@@ -87,8 +104,13 @@ impl Renderer {
         ];
         groups.extend(batches.shadow_layout().map(|shadow| (layout::GROUP_SHADOW, shadow)));
         let light = LightPass::new(gpu, technique.module(&settings.shadow_settings), &groups)?;
+        let layouts = [&passes.gbuffer.read_layout, &passes.points.light_layout];
+        let gloss = surroundings.ray_scene.filter(|_| surroundings.traces_gloss);
+        let gloss =
+            gloss.map(|scene| GlossPass::new(gpu, &self.view, &lighting, scene, layouts)).transpose()?;
         let environment = self.environment_groups(surroundings, &lighting);
-        let mut lit = Lit { lighting, technique, batches, light, environment, debug_groups: Vec::new() };
+        let mut lit =
+            Lit { lighting, technique, batches, light, gloss, environment, debug_groups: Vec::new() };
         if let Some(debug) = &self.debug {
             lit.debug_groups = debug.groups(gpu, &self.view, &lit);
             lit.batches.sum_only(gpu, debug.only_light(&lit));
@@ -119,6 +141,7 @@ impl Renderer {
             cache,
             near_lights: &self.near_lights,
             ray_scene: self.ray_scene.as_ref(),
+            traces_gloss: lit.gloss.is_some(),
             world_from_environment: self.world_from_environment,
         };
         self.lit(&surroundings, lit.lighting.clone()).map(Some)

@@ -4,6 +4,7 @@
 
 mod analytic;
 mod asynchronous;
+mod backdrop;
 mod casters;
 mod change;
 mod common;

@@ -43,7 +43,7 @@ fn scene() -> Scene {
 fn maps() -> Vec<(&'static str, Equirect)> {
     let mut maps = vec![("room", builtin::by_name("room").unwrap().resized(256, 128))];
     if let Some(path) = gnomon_testing::data_file("env/probulator_grace_256x128.hdr") {
-        maps.push(("grace", gnomon_envmap::load(path, None).unwrap().map));
+        maps.push(("grace", gnomon_envmap::load(path, Default::default()).unwrap().map));
     }
     maps
 }

@@ -42,18 +42,30 @@ impl Component {
         }
     }
 
-    /// The component at the start of `bytes`, which has `size()` of them; normalized as in section 3.6.2.2.
+    /// What a normalized component is divided by (section 3.6.2.2); floats are as they are.
+    fn largest(self) -> f32 {
+        match self {
+            Self::I8 => 127.0,
+            Self::U8 => 255.0,
+            Self::I16 => 32_767.0,
+            Self::U16 => 65_535.0,
+            Self::U32 => u32::MAX as f32,
+            Self::F32 => 1.0,
+        }
+    }
+
+    /// The component at the start of `bytes`, which has `size()` of them.
     fn to_f32(self, bytes: &[u8], normalized: bool) -> f32 {
         let raw = self.to_bits(bytes);
-        let (value, largest) = match self {
-            Self::I8 => (f32::from(raw as i8), 127.0),
-            Self::U8 => (f32::from(raw as u8), 255.0),
-            Self::I16 => (f32::from(raw as i16), 32_767.0),
-            Self::U16 => (f32::from(raw as u16), 65_535.0),
-            Self::U32 => (raw as f32, u32::MAX as f32),
+        let value = match self {
+            Self::I8 => f32::from(raw as i8),
+            Self::U8 => f32::from(raw as u8),
+            Self::I16 => f32::from(raw as i16),
+            Self::U16 => f32::from(raw as u16),
+            Self::U32 => raw as f32,
             Self::F32 => return f32::from_bits(raw),
         };
-        if normalized { (value / largest).max(-1.0) } else { value }
+        if normalized { (value / self.largest()).max(-1.0) } else { value }
     }
 
     fn to_bits(self, bytes: &[u8]) -> u32 {
@@ -72,7 +84,6 @@ struct Layout<'a> {
     stride: usize,
     count: usize,
     component: Component,
-    normalized: bool,
 }
 
 impl Accessors<'_> {
@@ -87,6 +98,13 @@ impl Accessors<'_> {
         width(accessor).ok_or_else(|| Fault::Invalid(format!("accessor {index} has an unknown type")))
     }
 
+    /// What values of an accessor are divided by: 1 where they are not normalized. `normalized` goes before what the accessor says.
+    pub fn range(&self, index: usize, normalized: Option<bool>, referrer: &str) -> Result<f32, Fault> {
+        let accessor = get(&self.root.accessors, index, "accessor", referrer)?;
+        let component = component(accessor, &format!("accessor {index}"))?;
+        Ok(if normalized.unwrap_or(accessor.normalized) { component.largest() } else { 1.0 })
+    }
+
     /// Elements of `N` components as floats; integers are divided by their range where the accessor is normalized.
     pub fn floats<const N: usize>(
         &self,
@@ -94,43 +112,22 @@ impl Accessors<'_> {
         referrer: &str,
         budget: &mut Budget,
     ) -> Result<Vec<[f32; N]>, Fault> {
+        self.floats_as(index, None, referrer, budget)
+    }
+
+    /// The same, where `normalized` goes before what the accessor says.
+    pub fn floats_as<const N: usize>(
+        &self,
+        index: usize,
+        normalized: Option<bool>,
+        referrer: &str,
+        budget: &mut Budget,
+    ) -> Result<Vec<[f32; N]>, Fault> {
         let accessor = get(&self.root.accessors, index, "accessor", referrer)?;
         let name = format!("accessor {index}");
         let layout = self.layout::<N>(accessor, &name)?;
-        let size = layout.component.size();
-        let element = |bytes: &[u8], start: usize| -> [f32; N] {
-            std::array::from_fn(|c| layout.component.to_f32(&bytes[start + c * size..], layout.normalized))
-        };
-        budget.take(layout.count, size_of::<[f32; N]>())?;
-        let mut elements = match layout.bytes {
-            Some(bytes) => (0..layout.count).map(|i| element(bytes, i * layout.stride)).collect(),
-            None => vec![[0.0; N]; layout.count],
-        };
-        if let Some(sparse) = &accessor.sparse {
-            let count = sparse.count.0;
-            if count > layout.count {
-                return Err(Fault::Invalid(format!(
-                    "{name} replaces {count} of its {} elements",
-                    layout.count
-                )));
-            }
-            let places = self.integers(
-                (sparse.indices.buffer_view.0, sparse.indices.byte_offset.0),
-                sparse.indices.component_type.0,
-                count,
-                &name,
-                budget,
-            )?;
-            let view = self.buffers.view(sparse.values.buffer_view.0, &name)?;
-            let values = from_offset(view, sparse.values.byte_offset.0, count, N * size, N * size, &name)?;
-            for (i, place) in places.into_iter().enumerate() {
-                let target = elements.get_mut(place as usize);
-                *target.ok_or_else(|| {
-                    Fault::Invalid(format!("{name} replaces an element {place} it lacks"))
-                })? = element(values, i * N * size);
-            }
-        }
-        Ok(elements)
+        let normalized = normalized.unwrap_or(accessor.normalized);
+        self.elements(accessor, &layout, &name, |bytes| layout.component.to_f32(bytes, normalized), budget)
     }
 
     /// Vertex indices.
@@ -138,19 +135,59 @@ impl Accessors<'_> {
         let accessor = get(&self.root.accessors, index, "accessor", referrer)?;
         let name = format!("accessor {index}");
         let layout = self.layout::<1>(accessor, &name)?;
-        if layout.normalized || !matches!(layout.component, Component::U8 | Component::U16 | Component::U32) {
+        let is_unsigned = matches!(layout.component, Component::U8 | Component::U16 | Component::U32);
+        if accessor.normalized || !is_unsigned {
             return Err(Fault::Invalid(format!("{name} holds indices that are not unsigned integers")));
         }
-        if accessor.sparse.is_some() {
-            return Err(Fault::Unsupported(format!("{name} holds sparse indices")));
+        let indices = self.elements::<1, u32>(
+            accessor,
+            &layout,
+            &name,
+            |bytes| layout.component.to_bits(bytes),
+            budget,
+        )?;
+        Ok(indices.into_flattened())
+    }
+
+    /// All elements of an accessor, with those that are stored sparsely (section 3.6.2.3) in their places.
+    fn elements<const N: usize, T: Copy + Default>(
+        &self,
+        accessor: &Accessor,
+        layout: &Layout,
+        name: &str,
+        component: impl Fn(&[u8]) -> T,
+        budget: &mut Budget,
+    ) -> Result<Vec<[T; N]>, Fault> {
+        let size = layout.component.size();
+        let element = |bytes: &[u8], start: usize| -> [T; N] {
+            std::array::from_fn(|c| component(&bytes[start + c * size..]))
+        };
+        budget.take(layout.count, size_of::<[T; N]>())?;
+        let mut elements = match layout.bytes {
+            Some(bytes) => (0..layout.count).map(|i| element(bytes, i * layout.stride)).collect(),
+            None => vec![[T::default(); N]; layout.count],
+        };
+        let Some(sparse) = &accessor.sparse else { return Ok(elements) };
+        let count = sparse.count.0;
+        if count > layout.count {
+            return Err(Fault::Invalid(format!("{name} replaces {count} of its {} elements", layout.count)));
         }
-        budget.take(layout.count, size_of::<u32>())?;
-        Ok(match layout.bytes {
-            Some(bytes) => {
-                (0..layout.count).map(|i| layout.component.to_bits(&bytes[i * layout.stride..])).collect()
-            }
-            None => vec![0; layout.count],
-        })
+        let places = self.integers(
+            (sparse.indices.buffer_view.0, sparse.indices.byte_offset.0),
+            sparse.indices.component_type.0,
+            count,
+            name,
+            budget,
+        )?;
+        let view = self.buffers.view(sparse.values.buffer_view.0, name)?;
+        let values = from_offset(view, sparse.values.byte_offset.0, count, N * size, N * size, name)?;
+        for (i, place) in places.into_iter().enumerate() {
+            let target = elements.get_mut(place as usize);
+            *target
+                .ok_or_else(|| Fault::Invalid(format!("{name} replaces an element {place} it lacks")))? =
+                element(values, i * N * size);
+        }
+        Ok(elements)
     }
 
     fn layout<const N: usize>(&self, accessor: &Accessor, name: &str) -> Result<Layout<'_>, Fault> {
@@ -158,17 +195,16 @@ impl Accessors<'_> {
             let shape = gnomon_messages::quoted(&accessor.shape);
             return Err(Fault::Invalid(format!("{name} is of type {shape} where {N} components are wanted")));
         }
-        let component = Component::new(accessor.component_type.0)
-            .ok_or_else(|| Fault::Invalid(format!("{name} has an unknown component type")))?;
-        if accessor.normalized && matches!(component, Component::U32 | Component::F32) {
-            return Err(Fault::Invalid(format!("{name} is normalized, which its component type cannot be")));
-        }
+        let component = component(accessor, name)?;
         let (element, count) = (N * component.size(), accessor.count.0);
-        let mut layout =
-            Layout { bytes: None, stride: element, count, component, normalized: accessor.normalized };
+        let mut layout = Layout { bytes: None, stride: element, count, component };
         if let Some(view) = accessor.buffer_view {
             let bytes = self.buffers.view(view.0, name)?;
-            let stride = self.root.buffer_views.get(view.0).and_then(|view| view.byte_stride);
+            let entry = self.root.buffer_views.get(view.0);
+            let stride = entry.and_then(|view| match &view.extensions.meshopt {
+                Some(packed) => Some(packed.byte_stride),
+                None => view.byte_stride,
+            });
             layout.stride = stride.map_or(element, |stride| stride.0);
             if layout.stride < element {
                 return Err(Fault::Invalid(format!("the elements of {name} overlap")));
@@ -214,6 +250,11 @@ fn from_offset<'a>(
     end.filter(|&end| end <= view.len()).and_then(|_| view.get(offset..)).ok_or_else(|| {
         Fault::Invalid(format!("{name} reaches beyond its buffer view ({} bytes)", view.len()))
     })
+}
+
+fn component(accessor: &Accessor, name: &str) -> Result<Component, Fault> {
+    let component = Component::new(accessor.component_type.0);
+    component.ok_or_else(|| Fault::Invalid(format!("{name} has an unknown component type")))
 }
 
 /// Components of an element; `None` for types that are not read.

@@ -4,13 +4,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{AnimatedNode, Animation, CameraMount, Channel, Interpolation, Keys, NodeId, Scene};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
-use super::schema::{AnimationEntry, ChannelEntry, Int, NodeEntry, Root};
+use super::schema::{AnimationEntry, ChannelEntry, ChannelTarget, Int, NodeEntry, Pointer, Root};
 use super::{Budget, Fault, get};
 
 /// Adds the file's animations to its scene. `places` has the scene's node of every node of the file, `carriers` the node
@@ -82,12 +82,25 @@ fn at_rest(entry: &NodeEntry, node: NodeId, scene: &Scene) -> AnimatedNode {
         // As written: taking a matrix apart loses what a scale of 0 hides.
         scale = Vec3::from_array(entry.scale.unwrap_or([1.0; 3]));
         rotation = Quat::from_array(entry.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0])).normalize();
-        translation = Vec3::from_array(entry.translation.unwrap_or_default());
+        translation = DVec3::from_array(entry.translation.unwrap_or_default()).as_vec3();
     }
     if !(rotation.is_finite() && scale.is_finite()) {
         (scale, rotation) = (Vec3::ONE, Quat::IDENTITY);
     }
     AnimatedNode { node, parent_from_node, translation, rotation, scale, weights: placed.weights.clone() }
+}
+
+impl ChannelTarget {
+    /// What it moves of which node; `None` for no node.
+    fn node_and_path(&self) -> Result<Option<(usize, &str)>, Fault> {
+        let Some(Pointer { pointer }) = &self.extensions.pointer else {
+            return Ok(self.node.map(|Int(node)| (node, self.path.as_str())));
+        };
+        let mut parts = pointer.strip_prefix("/nodes/").unwrap_or_default().splitn(2, '/');
+        let node = parts.next().and_then(|node| node.parse().ok());
+        let moved = node.zip(parts.next());
+        moved.map(Some).ok_or_else(|| Fault::Invalid(format!("it moves '{pointer}', which stays here")))
+    }
 }
 
 struct Reader<'a> {
@@ -105,7 +118,7 @@ impl Reader<'_> {
         entry: &ChannelEntry,
         budget: &mut Budget,
     ) -> Result<Option<(usize, Channel)>, Fault> {
-        let Some(Int(node)) = entry.target.node else { return Ok(None) };
+        let Some((node, path)) = entry.target.node_and_path()? else { return Ok(None) };
         let target = get(&self.root.nodes, node, "node", "it")?;
         let Some(place) = self.places[node] else { return Ok(None) };
         let sampler = entry.sampler.ok_or_else(|| Fault::invalid("it has no sampler"))?;
@@ -132,7 +145,7 @@ impl Reader<'_> {
             Ok(values.into_iter().map(Vec3::from_array).collect())
         };
         let mut width = 1;
-        let keys = match entry.target.path.as_str() {
+        let keys = match path {
             "translation" => Keys::Translation(vectors(budget)?),
             "scale" => Keys::Scale(vectors(budget)?),
             "rotation" => {

@@ -1,19 +1,19 @@
-//! Bytes of a glTF file: the GLB container, data URIs and files beside it.
+//! Bytes of a glTF file: the GLB container, buffers and their views.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
-use base64::Engine;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use gnomon_messages::quoted;
-
-use super::schema::Root;
-use super::{Budget, Fault, Source, get};
+use super::schema::{Int, Meshopt, Root};
+use super::{Budget, Fault, Source, document, get, meshopt, uri};
 
 /// JSON and binary chunk of a file; a `.gltf` is all JSON. GLB: specification, section 4.
 pub fn split<'a>(bytes: &'a [u8], warnings: &mut Vec<String>) -> Result<(&'a [u8], Option<&'a [u8]>), Fault> {
     let Some(header) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
     let truncated = || Fault::invalid("the GLB ends too early");
     let (version, rest) = word(header).ok_or_else(truncated)?;
+    if version == 1 {
+        return Err(document::first_version("1.0"));
+    }
     if version != 2 {
         return Err(Fault::Unsupported(format!("GLB version {version} (2 is known)")));
     }
@@ -69,6 +69,8 @@ fn chunk(bytes: &[u8]) -> Result<(Chunk<'_>, &[u8]), Fault> {
 pub struct Buffers<'a> {
     root: &'a Root,
     data: Vec<Option<Cow<'a, [u8]>>>,
+    /// Of those views that are compressed.
+    decompressed: HashMap<usize, Vec<u8>>,
 }
 
 impl<'a> Buffers<'a> {
@@ -82,7 +84,7 @@ impl<'a> Buffers<'a> {
         let mut data = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let bytes = match &buffer.uri {
-                Some(uri) => Some(Cow::Owned(resolve(uri, source, budget)?)),
+                Some(uri) => Some(Cow::Owned(uri::resolve(uri, source, budget)?)),
                 None => binary.filter(|_| index == 0).map(Cow::Borrowed),
             };
             let promised = buffer.byte_length.0;
@@ -103,18 +105,43 @@ impl<'a> Buffers<'a> {
             };
             data.push(bytes);
         }
-        Ok(Self { root, data })
+        let mut buffers = Self { root, data, decompressed: HashMap::new() };
+        for (index, view) in root.buffer_views.iter().enumerate() {
+            if let Some(packed) = &view.extensions.meshopt {
+                let bytes = buffers.decompress(packed, index, budget)?;
+                buffers.decompressed.insert(index, bytes);
+            }
+        }
+        Ok(buffers)
+    }
+
+    /// Bytes of a view that is compressed.
+    fn decompress(&self, packed: &Meshopt, index: usize, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+        let name = format!("buffer view {index}");
+        let bytes = self.range(packed.buffer, packed.byte_offset, packed.byte_length, &name)?;
+        let (count, stride) = (packed.count.0, packed.byte_stride.0);
+        budget.take(count, stride)?;
+        meshopt::decode(&packed.mode, packed.filter.as_deref(), (count, stride), bytes)
+            .map_err(|message| Fault::Invalid(format!("{name}: {message}")))
     }
 
     /// Bytes of a buffer view.
     pub fn view(&self, index: usize, referrer: &str) -> Result<&[u8], Fault> {
         let view = get(&self.root.buffer_views, index, "buffer view", referrer)?;
-        let name = format!("buffer view {index}");
-        let buffer = get(&self.data, view.buffer.0, "buffer", &name)?;
-        let bytes = buffer
-            .as_deref()
-            .ok_or_else(|| Fault::Invalid(format!("buffer {} has no data", view.buffer.0)))?;
-        let (start, length) = (view.byte_offset.0, view.byte_length.0);
+        match self.decompressed.get(&index) {
+            Some(bytes) => Ok(bytes),
+            None => {
+                let name = format!("buffer view {index}");
+                self.range(view.buffer, view.byte_offset, view.byte_length, &name)
+            }
+        }
+    }
+
+    fn range(&self, buffer: Int, offset: Int, length: Int, name: &str) -> Result<&[u8], Fault> {
+        let Int(index) = buffer;
+        let buffer = get(&self.data, index, "buffer", name)?;
+        let bytes = buffer.as_deref().ok_or_else(|| Fault::Invalid(format!("buffer {index} has no data")))?;
+        let (start, length) = (offset.0, length.0);
         start.checked_add(length).and_then(|end| bytes.get(start..end)).ok_or_else(|| {
             let held = bytes.len();
             Fault::Invalid(format!("{name} takes {length} bytes from {start}, but its buffer has {held}"))
@@ -122,74 +149,9 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// Bytes behind a URI: embedded data, or a file relative to this one.
-pub fn resolve(uri: &str, source: &Source, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let (kind, text) = data.split_once(',').ok_or_else(|| Fault::invalid("a data URI has no data"))?;
-        budget.take(text.len(), 1)?;
-        if !kind.ends_with(";base64") {
-            return percent_decoded(text).ok_or_else(|| Fault::invalid("a data URI has a broken % sequence"));
-        }
-        return LENIENT
-            .decode(text)
-            .map_err(|error| Fault::Invalid(format!("a data URI is no base64: {error}")));
-    }
-    let scheme = uri.split_once(':').is_some_and(|(scheme, _)| {
-        !scheme.is_empty() && scheme.bytes().all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(&b))
-    });
-    let path = percent_decoded(uri).and_then(|path| String::from_utf8(path).ok());
-    let path = path.filter(|path| !path.is_empty() && !path.contains('\0'));
-    let path = path.ok_or_else(|| Fault::Invalid(format!("'{}' is no URI", quoted(uri))))?;
-    if scheme || path.starts_with(['/', '\\']) {
-        let uri = quoted(uri);
-        return Err(Fault::Unsupported(format!("'{uri}' is not a path relative to the file")));
-    }
-    let path = source.sibling(&path);
-    source.read(&path, budget).map_err(|fault| Fault::Elsewhere(fault.at(&path)))
-}
-
-/// Padding is often left out.
-const LENIENT: GeneralPurpose = GeneralPurpose::new(
-    &base64::alphabet::STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
-);
-
-/// `%20` to a blank and so on (RFC 3986, section 2.1); `None` where a sequence is broken.
-fn percent_decoded(uri: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let [first, after @ ..] = rest {
-        if *first == b'%' {
-            let (digits, after) = after.split_first_chunk::<2>()?;
-            let digit = |d: u8| char::from(d).to_digit(16);
-            bytes.push((digit(digits[0])? * 16 + digit(digits[1])?) as u8);
-            rest = after;
-        } else {
-            bytes.push(*first);
-            rest = after;
-        }
-    }
-    Some(bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn percent_sequences_decode() {
-        assert_eq!(percent_decoded("a%20b%C3%A9.bin").as_deref(), Some("a bé.bin".as_bytes()));
-        assert_eq!(percent_decoded("a%2"), None);
-        assert_eq!(percent_decoded("a%zz"), None);
-        assert_eq!(percent_decoded("%ff").as_deref(), Some(&[255][..]));
-    }
-
-    #[test]
-    fn base64_needs_no_padding_but_real_letters() {
-        assert_eq!(LENIENT.decode("AAEC").unwrap(), [0, 1, 2]);
-        assert_eq!(LENIENT.decode("AAE").unwrap(), LENIENT.decode("AAE=").unwrap());
-        assert!(LENIENT.decode("AA*C").is_err());
-    }
 
     #[test]
     fn glb_chunks_are_bounded() {

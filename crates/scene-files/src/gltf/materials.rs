@@ -1,31 +1,55 @@
 //! Materials and textures (specification, sections 3.8 and 3.9, and the KHR extensions).
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
-use glam::{Affine2, Vec2, Vec3};
+use glam::Vec3;
 use gnomon_messages::quoted;
-use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureId, TextureRef, Wrap};
+use gnomon_scene::{AlphaMode, Material, Scene};
 
-use super::buffers::{self, Buffers};
+use super::buffers::Buffers;
 use super::schema::{AlphaModeEntry, Int, MaterialEntry, Root, TextureInfo};
-use super::{Budget, Fault, Source, get};
-use crate::{SceneFileError, texture};
+use super::textures::Textures;
+use super::{Budget, Fault, Source, specular_glossiness};
 
-/// Reads every material, so that material `i` of the file is `scene.materials[i]`.
+/// Which of a primitive's sets of texture coordinates its mesh takes over, and in which order: those that its material needs.
+pub type CoordinateSets = [usize; 2];
+
+/// Of materials that need no others.
+pub const DEFAULT_SETS: CoordinateSets = [0, 1];
+
+/// Reads every material, so that material `i` of the file is `scene.materials[i]`, and tells which coordinates it takes.
 pub fn read(
     root: &Root,
     buffers: &Buffers,
     source: &Source,
     budget: &mut Budget,
     scene: &mut Scene,
-) -> Result<(), Fault> {
-    let mut textures = Textures { root, buffers, source, known: HashMap::new() };
+) -> Result<Vec<CoordinateSets>, Fault> {
+    let mut textures = Textures::new(root, buffers, source);
+    let mut all_sets = Vec::with_capacity(root.materials.len());
     for (index, entry) in root.materials.iter().enumerate() {
-        let material = material(index, entry, &mut textures, budget, scene)?;
+        let sets = coordinate_sets(entry);
+        let mut material = material(index, entry, sets, &mut textures, budget, scene)?;
+        material.alpha_mode = alpha_mode(index, entry, &material, root, scene);
+        if entry.extensions.unlit.is_some() {
+            material = unlit(material);
+        }
         scene.materials.push(material);
+        all_sets.push(sets);
     }
-    Ok(())
+    Ok(all_sets)
+}
+
+/// The two sets of coordinates that a material's textures take; those beyond them are left out.
+fn coordinate_sets(entry: &MaterialEntry) -> CoordinateSets {
+    let used: Vec<usize> = entry.texture_infos().map(TextureInfo::set).collect();
+    let mut sets = DEFAULT_SETS;
+    for set in &used {
+        if !sets.contains(set)
+            && let Some(free) = sets.iter_mut().find(|free| !used.contains(free))
+        {
+            *free = *set;
+        }
+    }
+    sets
 }
 
 /// The material of a primitive that names none: glTF's defaults, a rough white metal.
@@ -40,6 +64,7 @@ pub fn unnamed() -> Material {
 fn material(
     index: usize,
     entry: &MaterialEntry,
+    sets: CoordinateSets,
     textures: &mut Textures,
     budget: &mut Budget,
     scene: &mut Scene,
@@ -47,7 +72,7 @@ fn material(
     let name = entry.name.as_deref().map(quoted).unwrap_or_default();
     let label = format!("material {index}");
     let mut texture = |info: &Option<TextureInfo>, scene: &mut Scene| {
-        textures.reference(info.as_ref(), &label, budget, scene)
+        textures.reference(info.as_ref(), (sets, &label), budget, scene)
     };
     let mut material = Material { name, double_sided: entry.double_sided, ..unnamed() };
     let pbr = &entry.pbr_metallic_roughness;
@@ -83,139 +108,74 @@ fn material(
     if let Some(strength) = entry.extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength) {
         material.emissive *= not_negative(strength);
     }
-    match entry.alpha_mode {
-        AlphaModeEntry::Opaque => {}
-        AlphaModeEntry::Mask => {
-            let cutoff = entry.alpha_cutoff.map_or(0.5, not_negative);
-            material.alpha_mode = AlphaMode::Mask { cutoff };
-        }
-        AlphaModeEntry::Blend => scene.warnings.push(format!("{label}: alpha blending is shown opaque")),
+    if let Some(gloss) = &entry.extensions.specular_glossiness {
+        specular_glossiness::convert(gloss, &mut material, textures, (sets, &label), budget, scene)?;
     }
     Ok(material)
 }
 
+fn alpha_mode(
+    index: usize,
+    entry: &MaterialEntry,
+    material: &Material,
+    root: &Root,
+    scene: &mut Scene,
+) -> AlphaMode {
+    match entry.alpha_mode {
+        AlphaModeEntry::Opaque => AlphaMode::Opaque,
+        AlphaModeEntry::Mask => AlphaMode::Mask { cutoff: entry.alpha_cutoff.map_or(0.5, not_negative) },
+        // Tools write BLEND for all that they export.
+        AlphaModeEntry::Blend if is_opaque(index, material, root, scene) => AlphaMode::Opaque,
+        AlphaModeEntry::Blend => {
+            scene.warnings.push(format!(
+                "material {index} blends with what is behind it: it is drawn where its alpha is 0.5 or more"
+            ));
+            AlphaMode::Blend
+        }
+    }
+}
+
+/// Whether alpha is 1 everywhere.
+fn is_opaque(index: usize, material: &Material, root: &Root, scene: &Scene) -> bool {
+    let has_alpha = |accessor: usize| root.accessors.get(accessor).is_none_or(|color| color.shape == "VEC4");
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    // By variants, any primitive may have any material.
+    let may_use = |material: Option<Int>| material == Some(Int(index)) || root.extensions.variants.is_some();
+    let vertex_alpha = primitives.any(|primitive| {
+        let color = primitive.attributes.get("COLOR_0");
+        may_use(primitive.material) && color.is_some_and(|color| has_alpha(color.0))
+    });
+    let texture = material.base_color_texture.map(|texture| &scene.textures[texture.texture.0].rgba8);
+    material.alpha == 1.0
+        && !vertex_alpha
+        && texture.is_none_or(|texels| texels.iter().all(|[.., alpha]| *alpha == 255))
+}
+
+/// `KHR_materials_unlit`: the colour is emitted as it is, and nothing is reflected.
+fn unlit(lit: Material) -> Material {
+    let mut material = Material {
+        emissive: lit.surface.base_color,
+        emissive_texture: lit.base_color_texture,
+        emissive_vertex_colors: true,
+        // Its alpha may cut holes.
+        base_color_texture: lit.base_color_texture.filter(|_| lit.alpha_mode != AlphaMode::Opaque),
+        metallic_roughness_texture: None,
+        normal_texture: None,
+        specular_texture: None,
+        specular_color_texture: None,
+        ..lit
+    };
+    material.surface.base_color = Vec3::ZERO;
+    (material.surface.metallic, material.surface.specular) = (0.0, 0.0);
+    material
+}
+
 /// The number in 0..1; one that is not finite counts as 1.
-fn unit(value: f32) -> f32 {
+pub fn unit(value: f32) -> f32 {
     if value.is_finite() { value.clamp(0.0, 1.0) } else { 1.0 }
 }
 
 /// The number, or 0 where it is negative, and 1 where it is not finite.
-fn not_negative(value: f32) -> f32 {
+pub fn not_negative(value: f32) -> f32 {
     if value.is_finite() { value.max(0.0) } else { 1.0 }
-}
-
-struct Textures<'a> {
-    root: &'a Root,
-    buffers: &'a Buffers<'a>,
-    source: &'a Source<'a>,
-    /// By picture and sampling.
-    known: HashMap<(usize, [Wrap; 2], bool), TextureId>,
-}
-
-impl Textures<'_> {
-    fn reference(
-        &mut self,
-        info: Option<&TextureInfo>,
-        referrer: &str,
-        budget: &mut Budget,
-        scene: &mut Scene,
-    ) -> Result<Option<TextureRef>, Fault> {
-        let Some(info) = info else { return Ok(None) };
-        let Some(texture) = self.texture(info.index.0, referrer, budget, scene)? else { return Ok(None) };
-        let transform = info.extensions.transform.as_ref();
-        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord).0;
-        if set > 1 {
-            scene.warnings.push(format!(
-                "{referrer}: a texture on coordinate set {set} is left out (0 and 1 are read)"
-            ));
-            return Ok(None);
-        }
-        let mut uv_from_mesh = Affine2::IDENTITY;
-        if let Some(transform) = transform {
-            let scale = transform.scale.map_or(Vec2::ONE, Vec2::from_array);
-            // Counter-clockwise as the picture is seen, with v pointing down: the negative angle in (u, v).
-            let affine = Affine2::from_scale_angle_translation(
-                scale,
-                -transform.rotation,
-                Vec2::from_array(transform.offset),
-            );
-            if affine.is_finite() {
-                uv_from_mesh = affine;
-            } else {
-                scene.warnings.push(format!("{referrer}: a texture transform that is not finite is ignored"));
-            }
-        }
-        Ok(Some(TextureRef { texture, uv_from_mesh, set }))
-    }
-
-    fn texture(
-        &mut self,
-        index: usize,
-        referrer: &str,
-        budget: &mut Budget,
-        scene: &mut Scene,
-    ) -> Result<Option<TextureId>, Fault> {
-        let texture = get(&self.root.textures, index, "texture", referrer)?;
-        let name = format!("texture {index}");
-        let Some(Int(image)) = texture.source else {
-            scene.warnings.push(format!("{name} has no PNG or JPEG picture and is left out"));
-            return Ok(None);
-        };
-        let (mut wrap, mut nearest) = ([Wrap::Repeat; 2], false);
-        if let Some(Int(sampler)) = texture.sampler {
-            let sampler = get(&self.root.samplers, sampler, "sampler", &name)?;
-            wrap = [wrap_mode(sampler.wrap_s), wrap_mode(sampler.wrap_t)];
-            nearest = sampler.mag_filter == Some(Int(9728));
-        }
-        if let Some(&known) = self.known.get(&(image, wrap, nearest)) {
-            return Ok(Some(known));
-        }
-        let picture = match self.picture(image, &name, budget) {
-            Ok(picture) => picture,
-            // The geometry is whole: as with OBJ, it is shown without the picture.
-            Err(Fault::Elsewhere(error @ SceneFileError::Io { .. })) => {
-                scene.warnings.push(format!("{name} is left out: {error}"));
-                return Ok(None);
-            }
-            Err(fault) => return Err(fault),
-        };
-        let id = TextureId(scene.textures.len());
-        scene.textures.push(Arc::new(Texture {
-            width: picture.width,
-            height: picture.height,
-            rgba8: picture.rgba8,
-            wrap,
-            nearest,
-        }));
-        self.known.insert((image, wrap, nearest), id);
-        Ok(Some(id))
-    }
-
-    fn picture(&self, index: usize, referrer: &str, budget: &mut Budget) -> Result<texture::Texels, Fault> {
-        let image = get(&self.root.images, index, "image", referrer)?;
-        let name = format!("image {index}");
-        let owned;
-        let bytes = match (&image.uri, image.buffer_view) {
-            (Some(uri), None) => {
-                owned = buffers::resolve(uri, self.source, budget)?;
-                owned.as_slice()
-            }
-            (None, Some(view)) => self.buffers.view(view.0, &name)?,
-            _ => return Err(Fault::Invalid(format!("{name} needs either a URI or a buffer view"))),
-        };
-        texture::decode(bytes, budget).map_err(|fault| match fault {
-            Fault::Invalid(message) => Fault::Invalid(format!("{name}: {message}")),
-            Fault::Unsupported(message) => Fault::Unsupported(format!("{name}: {message}")),
-            other => other,
-        })
-    }
-}
-
-fn wrap_mode(code: Option<Int>) -> Wrap {
-    match code {
-        Some(Int(33_071)) => Wrap::ClampToEdge,
-        Some(Int(33_648)) => Wrap::MirroredRepeat,
-        // 10497, or nothing.
-        _ => Wrap::Repeat,
-    }
 }

@@ -3,18 +3,24 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::Vec3;
 use gnomon_scene::{MaterialId, Mesh, MeshId, MorphTarget, Scene};
 
 use super::accessors::Accessors;
+use super::attributes::Attributes;
+use super::materials::{self, CoordinateSets};
 use super::schema::{Int, MeshEntry, Primitive, Root};
-use super::{Budget, Fault, get, materials, skins};
+use super::{Budget, Fault, get, skins};
 use crate::geometry;
 
 /// The meshes of a file, each read when a node first uses it.
 pub struct Meshes<'a> {
     root: &'a Root,
     accessors: &'a Accessors<'a>,
+    /// By material.
+    sets: &'a [CoordinateSets],
+    /// Number of the material variant that is shown, where one is.
+    variant: Option<usize>,
     known: HashMap<usize, Known>,
     /// Number of morph targets of every mesh of the file: the most that a primitive has.
     targets: Vec<usize>,
@@ -29,10 +35,15 @@ struct Known {
 }
 
 impl<'a> Meshes<'a> {
-    pub fn new(root: &'a Root, accessors: &'a Accessors<'a>) -> Self {
+    pub fn new(
+        root: &'a Root,
+        accessors: &'a Accessors<'a>,
+        sets: &'a [CoordinateSets],
+        variant: Option<usize>,
+    ) -> Self {
         let targets = |mesh: &MeshEntry| mesh.primitives.iter().map(|p| p.targets.len()).max().unwrap_or(0);
         let targets = root.meshes.iter().map(targets).collect();
-        Self { root, accessors, known: HashMap::new(), targets, unnamed_material: None }
+        Self { root, accessors, sets, variant, known: HashMap::new(), targets, unnamed_material: None }
     }
 
     /// Number of morph targets of mesh `index`.
@@ -66,16 +77,18 @@ impl<'a> Meshes<'a> {
         let mut known = Known { ids: Vec::with_capacity(mesh.primitives.len()), last_joint: None };
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let name = format!("mesh {index}, primitive {number}");
-            let Some(mut raw) = self.primitive(primitive, &name, budget, &mut scene.warnings)? else {
+            let material = self.material_of(primitive);
+            if let Some(material) = material {
+                get(&self.root.materials, material, "material", &name)?;
+            }
+            let sets = material.map_or(materials::DEFAULT_SETS, |material| self.sets[material]);
+            let Some(mut raw) = self.primitive(primitive, sets, &name, budget, &mut scene.warnings)? else {
                 continue;
             };
             let last = raw.influences.entries.iter().map(|&(joint, _)| (joint, number)).max();
             known.last_joint = known.last_joint.max(last);
-            let material = match primitive.material {
-                Some(Int(material)) => {
-                    get(&scene.materials, material, "material", &name)?;
-                    MaterialId(material)
-                }
+            let material = match material {
+                Some(material) => MaterialId(material),
                 None => *self.unnamed_material.get_or_insert_with(|| {
                     scene.materials.push(materials::unnamed());
                     MaterialId(scene.materials.len() - 1)
@@ -92,6 +105,16 @@ impl<'a> Meshes<'a> {
         Ok(ids)
     }
 
+    /// The material of a primitive in the variant that is shown (`KHR_materials_variants`).
+    fn material_of(&self, primitive: &Primitive) -> Option<usize> {
+        let mappings = primitive.extensions.variants.iter().flat_map(|variants| &variants.mappings);
+        let is_shown =
+            |variants: &[Int]| self.variant.is_some_and(|variant| variants.contains(&Int(variant)));
+        let mut mapped =
+            mappings.filter(|mapping| is_shown(&mapping.variants)).filter_map(|mapping| mapping.material);
+        mapped.next_back().or(primitive.material).map(|material| material.0)
+    }
+
     /// Refuses a mesh that was read and whose vertices refer to joints that a skin of `joints` lacks.
     pub fn check_joints(&self, index: usize, joints: usize) -> Result<(), Fault> {
         match self.known.get(&index).and_then(|known| known.last_joint) {
@@ -106,6 +129,7 @@ impl<'a> Meshes<'a> {
     fn primitive(
         &self,
         primitive: &Primitive,
+        sets: CoordinateSets,
         name: &str,
         budget: &mut Budget,
         warnings: &mut Vec<String>,
@@ -118,33 +142,23 @@ impl<'a> Meshes<'a> {
             warnings.push(format!("{name}: points and lines are left out"));
             return Ok(None);
         }
-        let attribute = |semantic: &str| primitive.attributes.get(semantic).map(|index| index.0);
-        let Some(position) = attribute("POSITION") else {
+        let Some(attributes) = Attributes::new(primitive, self.accessors, name, budget)? else {
             warnings.push(format!("{name} has no positions and is left out"));
             return Ok(None);
         };
-        let in_buffer =
-            self.root.accessors.get(position).is_some_and(|accessor| accessor.buffer_view.is_some());
-        if primitive.extensions.draco.is_some() && !in_buffer {
-            return Err(Fault::Unsupported(format!("{name} is compressed with Draco")));
-        }
-        let read =
-            Attributes { accessors: self.accessors, name, count: self.accessors.count(position, name)? };
+        let [first, second] = sets.map(|set| format!("TEXCOORD_{set}"));
         let mut mesh = Mesh {
-            positions: read.vectors(position, budget)?,
-            normals: attribute("NORMAL").map_or(Ok(Vec::new()), |index| read.vectors(index, budget))?,
-            tangents: attribute("TANGENT").map_or(Ok(Vec::new()), |index| read.vec4s(index, budget))?,
-            uvs: [
-                attribute("TEXCOORD_0").map_or(Ok(Vec::new()), |index| read.vec2s(index, budget))?,
-                attribute("TEXCOORD_1").map_or(Ok(Vec::new()), |index| read.vec2s(index, budget))?,
-            ],
-            colors: attribute("COLOR_0").map_or(Ok(Vec::new()), |index| read.colors(index, budget))?,
+            positions: attributes.vec3s("POSITION", budget)?,
+            normals: attributes.vec3s("NORMAL", budget)?,
+            tangents: attributes.vec4s("TANGENT", budget)?,
+            uvs: [attributes.vec2s(&first, budget)?, attributes.vec2s(&second, budget)?],
+            colors: attributes.colors(budget, warnings)?,
+            influences: skins::influences(&attributes, budget, warnings)?,
             ..Mesh::default()
         };
-        mesh.influences = skins::influences(primitive, self.accessors, name, read.count, budget, warnings)?;
         for target in &primitive.targets {
             let offsets = |semantic: &str, budget: &mut Budget| match target.get(semantic) {
-                Some(Int(index)) => read.vectors(*index, budget),
+                Some(&Int(accessor)) => self.offsets(accessor, &attributes, budget),
                 None => Ok(Vec::new()),
             };
             budget.take(1, size_of::<MorphTarget>())?;
@@ -154,90 +168,54 @@ impl<'a> Meshes<'a> {
                 tangents: offsets("TANGENT", budget)?,
             });
         }
-        mesh.triangles = self.triangles(primitive, mode, read.count, name, budget, warnings)?;
+        let mode = if attributes.is_list() { 4 } else { mode };
+        mesh.triangles = triangles(&attributes, mode, budget, warnings)?;
         Ok(Some(mesh))
     }
 
-    fn triangles(
+    /// Offsets of a morph target, which are never compressed.
+    fn offsets(
         &self,
-        primitive: &Primitive,
-        mode: usize,
-        vertex_count: usize,
-        name: &str,
+        accessor: usize,
+        attributes: &Attributes,
         budget: &mut Budget,
-        warnings: &mut Vec<String>,
-    ) -> Result<Vec<[u32; 3]>, Fault> {
-        let indices = match primitive.indices {
-            Some(Int(accessor)) => self.accessors.indices(accessor, name, budget)?,
-            None => {
-                budget.take(vertex_count, size_of::<u32>())?;
-                let count = u32::try_from(vertex_count);
-                (0..count.map_err(|_| Fault::Invalid(format!("{name} has too many vertices")))?).collect()
-            }
-        };
-        if let Some(index) = indices.iter().find(|&&index| index as usize >= vertex_count) {
+    ) -> Result<Vec<Vec3>, Fault> {
+        let offsets = self.accessors.floats(accessor, attributes.name, budget)?;
+        if offsets.len() != attributes.count {
+            let (name, count, wanted) = (attributes.name, offsets.len(), attributes.count);
             return Err(Fault::Invalid(format!(
-                "{name} refers to vertex {index}, but there are {vertex_count}"
+                "{name}: accessor {accessor} has {count} elements, not {wanted}"
             )));
         }
-        budget.take(indices.len(), geometry::TRIANGLE_BYTES)?;
-        let windows = indices.windows(3);
-        // Section 3.7.2.1, the order of vertices for each mode.
-        Ok(match mode {
-            4 => {
-                if !indices.len().is_multiple_of(3) {
-                    warnings
-                        .push(format!("{name}: {} indices make no whole number of triangles", indices.len()));
-                }
-                indices.chunks_exact(3).map(|corner| [corner[0], corner[1], corner[2]]).collect()
-            }
-            5 => windows
-                .enumerate()
-                .map(|(i, v)| if i % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] })
-                .collect(),
-            _ => windows.map(|v| [v[1], v[2], indices[0]]).collect(),
-        })
+        Ok(offsets.into_iter().map(Vec3::from_array).collect())
     }
 }
 
-/// Vertex attributes of one primitive, all as long as its positions.
-struct Attributes<'a> {
-    accessors: &'a Accessors<'a>,
-    name: &'a str,
-    count: usize,
-}
-
-impl Attributes<'_> {
-    fn read<const N: usize>(&self, index: usize, budget: &mut Budget) -> Result<Vec<[f32; N]>, Fault> {
-        let count = self.accessors.count(index, self.name)?;
-        if count != self.count {
-            let (name, wanted) = (self.name, self.count);
-            return Err(Fault::Invalid(format!(
-                "{name}: accessor {index} has {count} elements, not {wanted}"
-            )));
+fn triangles(
+    attributes: &Attributes,
+    mode: usize,
+    budget: &mut Budget,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<[u32; 3]>, Fault> {
+    let Attributes { name, count, .. } = *attributes;
+    let indices = attributes.indices(budget)?;
+    if let Some(index) = indices.iter().find(|&&index| index as usize >= count) {
+        return Err(Fault::Invalid(format!("{name} refers to vertex {index}, but there are {count}")));
+    }
+    budget.take(indices.len(), geometry::TRIANGLE_BYTES)?;
+    let windows = indices.windows(3);
+    // Section 3.7.2.1, the order of vertices for each mode.
+    Ok(match mode {
+        4 => {
+            if !indices.len().is_multiple_of(3) {
+                warnings.push(format!("{name}: {} indices make no whole number of triangles", indices.len()));
+            }
+            indices.chunks_exact(3).map(|corner| [corner[0], corner[1], corner[2]]).collect()
         }
-        self.accessors.floats(index, self.name, budget)
-    }
-
-    fn vectors(&self, index: usize, budget: &mut Budget) -> Result<Vec<Vec3>, Fault> {
-        Ok(self.read(index, budget)?.into_iter().map(Vec3::from_array).collect())
-    }
-
-    fn vec2s(&self, index: usize, budget: &mut Budget) -> Result<Vec<Vec2>, Fault> {
-        Ok(self.read(index, budget)?.into_iter().map(Vec2::from_array).collect())
-    }
-
-    fn vec4s(&self, index: usize, budget: &mut Budget) -> Result<Vec<Vec4>, Fault> {
-        Ok(self.read(index, budget)?.into_iter().map(Vec4::from_array).collect())
-    }
-
-    /// Linear colours with or without alpha.
-    fn colors(&self, index: usize, budget: &mut Budget) -> Result<Vec<Vec4>, Fault> {
-        if self.accessors.width(index, self.name)? == 3 {
-            let colors = self.read::<3>(index, budget)?;
-            budget.take(colors.len(), size_of::<Vec4>())?;
-            return Ok(colors.into_iter().map(|[r, g, b]| Vec4::new(r, g, b, 1.0)).collect());
-        }
-        self.vec4s(index, budget)
-    }
+        5 => windows
+            .enumerate()
+            .map(|(i, v)| if i % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] })
+            .collect(),
+        _ => windows.map(|v| [v[1], v[2], indices[0]]).collect(),
+    })
 }

@@ -5,22 +5,34 @@
 //!
 //! - The default scene, else the first, else all root nodes. A file with meshes
 //!   but no nodes shows each mesh once; one whose nodes place no mesh is empty.
-//! - Nodes keep their hierarchy; meshes used by several nodes are shared.
+//! - Nodes keep their hierarchy; meshes used by several nodes and instances are shared.
+//! - A scene far from its origin is moved ([`Scene::origin`]).
 //! - Skins with any number of joints and of sets of weights, morph targets (sparse ones too), animations of nodes and
 //!   weights; a damaged animation is left out with a warning.
-//! - A picture file that is missing is left out with a warning, a missing buffer is an error.
-//! - Points and lines are left out, alpha blending is opaque, occlusion maps are not used (light is computed).
-//! - Extensions: `KHR_materials_specular`, `KHR_materials_ior`, `KHR_materials_emissive_strength`,
-//!   `KHR_texture_transform`, `KHR_mesh_quantization`. Others are ignored with a warning, or refused where required.
+//! - A picture that is missing, remote or damaged is left out with a warning, a missing buffer is an error.
+//! - Points and lines are left out, occlusion maps are not used (light is computed).
+//! - Extensions: `extensions.rs` lists those that are read, and those that are shown without what they add. Others are ignored with a
+//!   warning, or refused where required.
 
 mod accessors;
 mod animations;
+mod attributes;
 mod buffers;
+mod cameras;
+mod document;
+mod draco;
+mod extensions;
+mod instancing;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
+mod origin;
 mod schema;
 mod skins;
+mod specular_glossiness;
+mod textures;
+mod uri;
 
 use gnomon_messages::quoted;
 use gnomon_scene::{Ground, Node, Scene};
@@ -32,14 +44,6 @@ use self::schema::Root;
 use crate::error::Fault;
 use crate::{Budget, LoadedScene, Source};
 
-const EXTENSIONS: [&str; 5] = [
-    "KHR_materials_specular",
-    "KHR_materials_ior",
-    "KHR_materials_emissive_strength",
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-];
-
 /// Whether the content is a GLB, or JSON (an object).
 pub fn recognise(bytes: &[u8]) -> bool {
     let text = super::without_bom(bytes);
@@ -50,20 +54,16 @@ pub fn recognise(bytes: &[u8]) -> bool {
 pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> {
     let mut scene = Scene::default();
     let (json, binary) = buffers::split(source.bytes, &mut scene.warnings)?;
-    // The parsed document takes a few times the size of its text.
-    budget.take(json.len(), 4)?;
-    let root: Root = serde_json::from_slice(super::without_bom(json)).map_err(|error| {
-        let what =
-            if error.is_data() { "the document does not follow glTF" } else { "the document is no JSON" };
-        Fault::Invalid(format!("{what}: {error}"))
-    })?;
-    check_version(&root)?;
-    check_extensions(&root, &mut scene.warnings)?;
+    let root = document::parse(json, budget, &mut scene.warnings)?;
+    extensions::check(&root, &mut scene.warnings)?;
     let buffers = Buffers::read(&root, binary, source, budget)?;
     let accessors = Accessors { root: &root, buffers: &buffers };
-    materials::read(&root, &buffers, source, budget, &mut scene)?;
-    let order = nodes::order(&root)?;
-    let mut meshes = Meshes::new(&root, &accessors);
+    let sets = materials::read(&root, &buffers, source, budget, &mut scene)?;
+    let order = nodes::order(&root, &mut scene.warnings)?;
+    scene.variants = variants(&root);
+    let shown = source.options.variant.as_ref();
+    let variant = shown.and_then(|name| scene.variants.iter().position(|variant| variant == name));
+    let mut meshes = Meshes::new(&root, &accessors, &sets, variant);
     let places = nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
     animations::read(&root, &accessors, &meshes, &places.nodes, &places.cameras, budget, &mut scene)?;
     if !root.meshes.is_empty() && root.nodes.is_empty() {
@@ -75,41 +75,14 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
             scene.nodes.push(Node { name, meshes: ids, weights, ..Node::default() });
         }
     }
-    Ok(Source::loaded(scene, Ground::None))
+    origin::recenter(&root, &order, &places.cameras, &mut scene);
+    Ok(source.loaded(scene, Ground::None))
 }
 
-fn check_version(root: &Root) -> Result<(), Fault> {
-    let parse = |text: &str| -> Result<(u32, u32), Fault> {
-        let parts =
-            text.split_once('.').and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)));
-        parts.ok_or_else(|| Fault::Invalid(format!("'{}' is no glTF version", quoted(text))))
-    };
-    let (major, minor) = parse(&root.asset.version)?;
-    if major != 2 {
-        return Err(Fault::Unsupported(format!("glTF version {major}.{minor} (2.0 is known)")));
-    }
-    if let Some(least) = &root.asset.min_version {
-        let least = parse(least)?;
-        if least > (2, 0) {
-            return Err(Fault::Unsupported(format!("it needs glTF {}.{} (2.0 is known)", least.0, least.1)));
-        }
-    }
-    Ok(())
-}
-
-fn check_extensions(root: &Root, warnings: &mut Vec<String>) -> Result<(), Fault> {
-    let unknown = |names: &[String]| -> Vec<String> {
-        names.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())).map(|name| quoted(name)).collect()
-    };
-    let required = unknown(&root.extensions_required);
-    if !required.is_empty() {
-        return Err(Fault::Unsupported(format!("it requires the extension {}", required.join(", "))));
-    }
-    let used = unknown(&root.extensions_used);
-    if !used.is_empty() {
-        warnings.push(quoted(&format!("extensions that have no effect here: {}", used.join(", "))));
-    }
-    Ok(())
+/// Names of the file's material variants, in its order.
+fn variants(root: &Root) -> Vec<String> {
+    let variants = root.extensions.variants.iter().flat_map(|extension| &extension.variants);
+    variants.map(|variant| quoted(&variant.name)).collect()
 }
 
 /// The item that the file means by `index`, or a message naming who refers to it.

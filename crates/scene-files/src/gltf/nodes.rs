@@ -1,14 +1,14 @@
-//! Nodes and cameras (specification, sections 3.5 and 3.10).
+//! Nodes (specification, section 3.5).
 
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::{Affine3A, DVec3, Mat4, Quat, Vec3};
 use gnomon_messages::quoted;
-use gnomon_scene::{Camera, Film, Node, NodeId, Projection, Scene, rigid};
+use gnomon_scene::{Node, NodeId, Scene};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
-use super::schema::{CameraEntry, Int, NodeEntry, Root};
+use super::schema::{Int, NodeEntry, Root};
 use super::skins::Skins;
-use super::{Budget, Fault, get};
+use super::{Budget, Fault, cameras, get, instancing};
 use crate::LoadOptions;
 
 /// A node of the file and its place in the hierarchy.
@@ -16,11 +16,13 @@ pub struct Place {
     pub node: usize,
     /// Earlier in the order.
     pub parent: Option<usize>,
+    /// False for one that is there for the sake of a joint alone.
+    is_shown: bool,
 }
 
-/// The nodes of the scene to be shown, parents before children. Loops and nodes with two parents are refused, in the
+/// The nodes of the scene to be shown, parents before children, and those that it lacks of what its skins follow. Loops and nodes with two parents are refused, in the
 /// whole file, before anything walks down.
-pub fn order(root: &Root) -> Result<Vec<Place>, Fault> {
+pub fn order(root: &Root, warnings: &mut Vec<String>) -> Result<Vec<Place>, Fault> {
     let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
     for (index, node) in root.nodes.iter().enumerate() {
         for &Int(child) in &node.children {
@@ -43,29 +45,74 @@ pub fn order(root: &Root) -> Result<Vec<Place>, Fault> {
         None => root.scenes.first(),
     };
     let Some(shown) = shown else { return Ok(everything) };
-    let mut roots = Vec::with_capacity(shown.nodes.len());
     let mut listed = vec![false; root.nodes.len()];
     for &Int(node) in &shown.nodes {
         get(&root.nodes, node, "node", "the scene")?;
-        if let Some(parent) = parents[node] {
-            return Err(Fault::Invalid(format!(
-                "the scene lists node {node}, which is a child of node {parent}"
-            )));
-        }
-        if !std::mem::replace(&mut listed[node], true) {
+        listed[node] = true;
+    }
+    // Some tools list nodes that are below others: below listed ones they are there already, else they stand for themselves.
+    let mut is_reached = listed.clone();
+    for place in &everything {
+        is_reached[place.node] |= parents[place.node].is_some_and(|parent| is_reached[parent]);
+    }
+    let mut roots = Vec::with_capacity(shown.nodes.len());
+    for &Int(node) in &shown.nodes {
+        let is_below = parents[node].is_some_and(|parent| is_reached[parent]);
+        if std::mem::take(&mut listed[node]) && !is_below {
+            if let Some(parent) = parents[node] {
+                let message = format!(
+                    "the scene lists node {node}, but not its parent, node {parent}, which is left out"
+                );
+                warnings.push(message);
+            }
             roots.push(node);
         }
     }
-    Ok(descend(root, &roots))
+    let mut order = descend(root, &roots);
+    add_joints(root, &parents, &mut order)?;
+    Ok(order)
+}
+
+/// Adds the joints of the skins of nodes in the order, and the nodes above them: tools leave skeletons out of the scene, or in another.
+fn add_joints(root: &Root, parents: &[Option<usize>], order: &mut Vec<Place>) -> Result<(), Fault> {
+    let mut places: Vec<Option<usize>> = vec![None; root.nodes.len()];
+    for (number, place) in order.iter().enumerate() {
+        places[place.node] = Some(number);
+    }
+    let mut seen = vec![false; root.skins.len()];
+    for number in 0..order.len() {
+        let node = order[number].node;
+        let Some(Int(skin)) = root.nodes[node].skin.filter(|_| root.nodes[node].mesh.is_some()) else {
+            continue;
+        };
+        let entry = get(&root.skins, skin, "skin", &format!("node {node}"))?;
+        if std::mem::replace(&mut seen[skin], true) {
+            continue;
+        }
+        for &Int(joint) in &entry.joints {
+            get(&root.nodes, joint, "node", &format!("skin {skin}"))?;
+            // Up to one that is there, and down again.
+            let above = std::iter::successors(Some(joint), |&node| parents[node]);
+            let missing: Vec<usize> = above.take_while(|&node| places[node].is_none()).collect();
+            for &node in missing.iter().rev() {
+                let parent = parents[node].and_then(|parent| places[parent]);
+                places[node] = Some(order.len());
+                order.push(Place { node, parent, is_shown: false });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// All nodes below the roots, each after its parent. Every node has one parent at most.
 fn descend(root: &Root, roots: &[usize]) -> Vec<Place> {
     let mut order: Vec<Place> = Vec::new();
-    let mut stack: Vec<Place> = roots.iter().rev().map(|&node| Place { node, parent: None }).collect();
+    let mut stack: Vec<Place> =
+        roots.iter().rev().map(|&node| Place { node, parent: None, is_shown: true }).collect();
     while let Some(place) = stack.pop() {
         let parent = Some(order.len());
-        stack.extend(root.nodes[place.node].children.iter().rev().map(|&Int(node)| Place { node, parent }));
+        let children = root.nodes[place.node].children.iter().rev();
+        stack.extend(children.map(|&Int(node)| Place { node, parent, is_shown: true }));
         order.push(place);
     }
     order
@@ -73,7 +120,7 @@ fn descend(root: &Root, roots: &[usize]) -> Vec<Place> {
 
 /// Where the file's nodes and cameras went.
 pub struct Places {
-    /// The scene's node of every node of the file; `None` for those that are not shown.
+    /// The scene's node of every node of the file; `None` for those that it does not have.
     pub nodes: Vec<Option<usize>>,
     /// The node of each of the scene's cameras.
     pub cameras: Vec<NodeId>,
@@ -101,35 +148,40 @@ pub fn read(
         places.nodes[place.node] = Some(number);
     }
     let mut skins = Skins::default();
+    let mut copies = Vec::new();
+    let mut is_visible = vec![true; order.len()];
     for (number, place) in order.iter().enumerate() {
         let entry = &root.nodes[place.node];
+        let own = entry.extensions.visibility.as_ref().and_then(|visibility| visibility.visible);
+        is_visible[number] = own.unwrap_or(true) && place.parent.is_none_or(|parent| is_visible[parent]);
+        let is_shown = place.is_shown && is_visible[number];
         let mut node = Node {
             name: entry.name.as_deref().map(quoted).unwrap_or_default(),
             parent: place.parent.map(NodeId),
             parent_from_node: local[number],
             ..Node::default()
         };
-        if let Some(Int(mesh)) = entry.mesh {
+        if let Some(Int(mesh)) = entry.mesh.filter(|_| is_shown) {
             node.meshes = meshes.read(mesh, budget, scene)?;
             node.weights = meshes.weights(mesh, entry.weights.as_deref(), budget)?;
             if let Some(Int(skin)) = entry.skin {
-                node.skin = skins.read(root, accessors, skin, &places.nodes, budget, scene)?;
+                let skin = skins.read(root, accessors, skin, &places.nodes, budget, scene)?;
+                meshes.check_joints(mesh, scene.skins[skin.0].joints.len())?;
+                node.skin = Some(skin);
             }
-            if let Some(skin) = node.skin {
-                let joints = scene.skins[skin.0].joints.len();
-                meshes.check_joints(mesh, joints)?;
+            if let Some(instancing) = &entry.extensions.instancing {
+                let label = format!("node {}", place.node);
+                let places = instancing::read(instancing, accessors, &label, budget, &mut scene.warnings)?;
+                copies.extend(instancing::copies(&mut node, NodeId(number), places, budget)?);
             }
         }
-        if let Some(Int(camera)) = entry.camera {
+        if let Some(Int(camera)) = entry.camera.filter(|_| place.is_shown) {
             let label = format!("node {}", place.node);
             let entry = get(&root.cameras, camera, "camera", &label)?;
-            match rigid(world[number]) {
-                Some(world_from_camera) => {
-                    let projection = projection(entry, camera, options)?;
-                    let own = entry.name.as_deref().map(quoted).filter(|own| !own.is_empty());
-                    let name = own.unwrap_or_else(|| node.name.clone());
+            match cameras::camera(entry, (camera, &node.name), world[number], options)? {
+                Some(camera) => {
                     places.cameras.push(NodeId(number));
-                    scene.cameras.push(Camera { name, world_from_camera, projection, film: Film::default() });
+                    scene.cameras.push(camera);
                 }
                 None => scene
                     .warnings
@@ -138,6 +190,8 @@ pub fn read(
         }
         scene.nodes.push(node);
     }
+    // After all nodes of the file, whose numbers are those of the order.
+    scene.nodes.extend(copies);
     Ok(places)
 }
 
@@ -145,7 +199,7 @@ fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
     let label = format!("node {index}");
     let affine = match node.matrix {
         Some(matrix) => {
-            let matrix = Mat4::from_cols_array(&matrix);
+            let matrix = Mat4::from_cols_array(&matrix.map(|entry| entry as f32));
             let bottom = matrix.row(3);
             if (bottom - glam::Vec4::W).abs().max_element() > 1e-4 {
                 return Err(Fault::Invalid(format!("the matrix of {label} is not affine")));
@@ -160,7 +214,7 @@ fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
             Affine3A::from_scale_rotation_translation(
                 Vec3::from_array(node.scale.unwrap_or([1.0; 3])),
                 rotation.normalize(),
-                Vec3::from_array(node.translation.unwrap_or_default()),
+                DVec3::from_array(node.translation.unwrap_or_default()).as_vec3(),
             )
         }
     };
@@ -168,29 +222,5 @@ fn transform(node: &NodeEntry, index: usize) -> Result<Affine3A, Fault> {
         Ok(affine)
     } else {
         Err(Fault::Invalid(format!("the transform of {label} is not finite")))
-    }
-}
-
-fn projection(camera: &CameraEntry, index: usize, options: &LoadOptions) -> Result<Projection, Fault> {
-    let bad = |what: &str| Fault::Invalid(format!("camera {index} {what}"));
-    match camera.kind.as_str() {
-        "perspective" => {
-            let lens = camera.perspective.as_ref().ok_or_else(|| bad("has no perspective"))?;
-            let aspect = lens.aspect_ratio.unwrap_or(options.aspect);
-            if !(lens.yfov > 0.0 && lens.yfov < std::f32::consts::PI && aspect > 0.0 && aspect.is_finite()) {
-                return Err(bad("has a field of view or aspect ratio out of range"));
-            }
-            let fov_x = 2.0 * (f64::from(aspect) * (0.5 * f64::from(lens.yfov)).tan()).atan();
-            Ok(Projection::Perspective { fov_x: fov_x as f32 })
-        }
-        "orthographic" => {
-            let lens = camera.orthographic.as_ref().ok_or_else(|| bad("has no orthographic size"))?;
-            let half_width = lens.xmag.abs();
-            if !(half_width > 0.0 && half_width.is_finite()) {
-                return Err(bad("has an orthographic size that is zero or not finite"));
-            }
-            Ok(Projection::Orthographic { half_width })
-        }
-        other => Err(bad(&format!("is of the unknown type '{}'", quoted(other)))),
     }
 }

@@ -3,7 +3,11 @@
 use std::collections::HashMap;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
+use serde::de::{Deserializer, Error, Visitor};
+
+mod material;
+
+pub use material::{AlphaModeEntry, MaterialEntry, SpecularGlossiness, TextureInfo};
 
 /// A non-negative integer; JSON may write it `2`, `2.0` or `2e0`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -39,7 +43,6 @@ impl<'de> Deserialize<'de> for Int {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Root {
-    pub asset: Asset,
     pub scene: Option<Int>,
     #[serde(default)]
     pub scenes: Vec<SceneEntry>,
@@ -71,13 +74,26 @@ pub struct Root {
     pub extensions_used: Vec<String>,
     #[serde(default)]
     pub extensions_required: Vec<String>,
+    #[serde(default)]
+    pub extensions: RootExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct RootExtensions {
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: Option<Variants>,
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Asset {
-    pub version: String,
-    pub min_version: Option<String>,
+pub struct Variants {
+    #[serde(default)]
+    pub variants: Vec<Variant>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Variant {
+    #[serde(default)]
+    pub name: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -94,22 +110,45 @@ pub struct NodeEntry {
     pub mesh: Option<Int>,
     pub camera: Option<Int>,
     pub skin: Option<Int>,
-    pub matrix: Option<[f32; 16]>,
-    pub translation: Option<[f32; 3]>,
+    pub matrix: Option<[f64; 16]>,
+    pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f32; 4]>,
     pub scale: Option<[f32; 3]>,
     pub weights: Option<Vec<f32>>,
+    #[serde(default)]
+    pub extensions: NodeExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Option<Visibility>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Instancing {
+    #[serde(default)]
+    pub attributes: HashMap<String, Int>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Visibility {
+    pub visible: Option<bool>,
 }
 
 #[derive(Debug, Deserialize)]
 pub struct MeshEntry {
     pub name: Option<String>,
+    #[serde(default)]
     pub primitives: Vec<Primitive>,
     pub weights: Option<Vec<f32>>,
 }
 
 #[derive(Debug, Deserialize)]
 pub struct Primitive {
+    #[serde(default)]
     pub attributes: HashMap<String, Int>,
     pub indices: Option<Int>,
     pub material: Option<Int>,
@@ -123,7 +162,30 @@ pub struct Primitive {
 #[derive(Debug, Default, Deserialize)]
 pub struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
-    pub draco: Option<IgnoredAny>,
+    pub draco: Option<Draco>,
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: Option<Mappings>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Draco {
+    pub buffer_view: Int,
+    #[serde(default)]
+    pub attributes: HashMap<String, Int>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Mappings {
+    #[serde(default)]
+    pub mappings: Vec<Mapping>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Mapping {
+    pub material: Option<Int>,
+    #[serde(default)]
+    pub variants: Vec<Int>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -173,6 +235,28 @@ pub struct BufferView {
     pub byte_offset: Int,
     pub byte_length: Int,
     pub byte_stride: Option<Int>,
+    #[serde(default)]
+    pub extensions: BufferViewExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct BufferViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
+    pub meshopt: Option<Meshopt>,
+}
+
+/// Where a view's bytes lie, compressed, and how.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Meshopt {
+    pub buffer: Int,
+    #[serde(default)]
+    pub byte_offset: Int,
+    pub byte_length: Int,
+    pub byte_stride: Int,
+    pub count: Int,
+    pub mode: String,
+    pub filter: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -183,106 +267,24 @@ pub struct Buffer {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct MaterialEntry {
-    pub name: Option<String>,
-    #[serde(default)]
-    pub pbr_metallic_roughness: MetallicRoughness,
-    pub normal_texture: Option<TextureInfo>,
-    pub emissive_texture: Option<TextureInfo>,
-    #[serde(default)]
-    pub emissive_factor: [f32; 3],
-    #[serde(default)]
-    pub alpha_mode: AlphaModeEntry,
-    pub alpha_cutoff: Option<f32>,
-    #[serde(default)]
-    pub double_sided: bool,
-    #[serde(default)]
-    pub extensions: MaterialExtensions,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-pub enum AlphaModeEntry {
-    #[default]
-    Opaque,
-    Mask,
-    Blend,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct MetallicRoughness {
-    pub base_color_factor: Option<[f32; 4]>,
-    pub base_color_texture: Option<TextureInfo>,
-    pub metallic_factor: Option<f32>,
-    pub roughness_factor: Option<f32>,
-    pub metallic_roughness_texture: Option<TextureInfo>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-pub struct MaterialExtensions {
-    #[serde(rename = "KHR_materials_specular")]
-    pub specular: Option<Specular>,
-    #[serde(rename = "KHR_materials_ior")]
-    pub ior: Option<Ior>,
-    #[serde(rename = "KHR_materials_emissive_strength")]
-    pub emissive_strength: Option<EmissiveStrength>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Specular {
-    pub specular_factor: Option<f32>,
-    pub specular_texture: Option<TextureInfo>,
-    pub specular_color_factor: Option<[f32; 3]>,
-    pub specular_color_texture: Option<TextureInfo>,
-}
-
-#[derive(Debug, Deserialize)]
-pub struct Ior {
-    pub ior: Option<f32>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct EmissiveStrength {
-    pub emissive_strength: Option<f32>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct TextureInfo {
-    pub index: Int,
-    #[serde(default)]
-    pub tex_coord: Int,
-    /// Of normal textures.
-    pub scale: Option<f32>,
-    #[serde(default)]
-    pub extensions: TextureInfoExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-pub struct TextureInfoExtensions {
-    #[serde(rename = "KHR_texture_transform")]
-    pub transform: Option<TextureTransform>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct TextureTransform {
-    #[serde(default)]
-    pub offset: [f32; 2],
-    #[serde(default)]
-    pub rotation: f32,
-    pub scale: Option<[f32; 2]>,
-    pub tex_coord: Option<Int>,
-}
-
-#[derive(Debug, Deserialize)]
 pub struct TextureEntry {
     pub source: Option<Int>,
     pub sampler: Option<Int>,
+    #[serde(default)]
+    pub extensions: TextureExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct TextureExtensions {
+    #[serde(rename = "EXT_texture_webp")]
+    pub webp: Option<TextureSource>,
+    #[serde(rename = "KHR_texture_basisu")]
+    pub basisu: Option<TextureSource>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct TextureSource {
+    pub source: Option<Int>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -304,6 +306,7 @@ pub struct Sampler {
 #[serde(rename_all = "camelCase")]
 pub struct Skin {
     pub name: Option<String>,
+    #[serde(default)]
     pub joints: Vec<Int>,
     pub inverse_bind_matrices: Option<Int>,
 }
@@ -328,6 +331,7 @@ pub struct Perspective {
 #[derive(Debug, Deserialize)]
 pub struct Orthographic {
     pub xmag: f32,
+    pub ymag: Option<f32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -351,6 +355,20 @@ pub struct ChannelTarget {
     pub node: Option<Int>,
     #[serde(default)]
     pub path: String,
+    #[serde(default)]
+    pub extensions: TargetExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub struct TargetExtensions {
+    #[serde(rename = "KHR_animation_pointer")]
+    pub pointer: Option<Pointer>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Pointer {
+    #[serde(default)]
+    pub pointer: String,
 }
 
 #[derive(Debug, Deserialize)]

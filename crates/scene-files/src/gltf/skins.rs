@@ -6,7 +6,8 @@ use glam::{Affine3A, Mat4};
 use gnomon_scene::{Influences, NodeId, Scene, Skin, SkinId};
 
 use super::accessors::Accessors;
-use super::schema::{Int, Primitive, Root};
+use super::attributes::Attributes;
+use super::schema::{Int, Root};
 use super::{Budget, Fault, get};
 
 /// Sums of weights that differ more than this from 1 are worth a warning: four weights in 8 bits stay below it.
@@ -15,12 +16,11 @@ const WEIGHT_TOLERANCE: f32 = 0.01;
 /// The skins of a file, each read when a node first uses it.
 #[derive(Default)]
 pub struct Skins {
-    known: HashMap<usize, Option<SkinId>>,
+    known: HashMap<usize, SkinId>,
 }
 
 impl Skins {
-    /// Skin `index` in `scene.skins`; `None`, with a warning, where one of its joints is not in the scene. `places` has
-    /// the scene's node of every node of the file.
+    /// Skin `index` in `scene.skins`. `places` has the scene's node of every node of the file that is shown or is a joint.
     pub fn read(
         &mut self,
         root: &Root,
@@ -29,7 +29,7 @@ impl Skins {
         places: &[Option<usize>],
         budget: &mut Budget,
         scene: &mut Scene,
-    ) -> Result<Option<SkinId>, Fault> {
+    ) -> Result<SkinId, Fault> {
         if let Some(known) = self.known.get(&index) {
             return Ok(*known);
         }
@@ -45,49 +45,35 @@ impl Skins {
         budget.take(entry.joints.len(), size_of::<Affine3A>() + size_of::<NodeId>())?;
         let name = entry.name.as_deref().map(gnomon_messages::quoted).unwrap_or_default();
         let mut skin = Skin { name, ..Skin::default() };
-        let mut complete = true;
         for (number, &Int(joint)) in entry.joints.iter().enumerate() {
             get(&root.nodes, joint, "node", &label)?;
             let bind = binds.get(number).map_or(Mat4::IDENTITY, Mat4::from_cols_array);
             if !bind.is_finite() {
                 return Err(Fault::Invalid(format!("{label} has a bind matrix that is not finite")));
             }
-            match places[joint] {
-                Some(place) => skin.joints.push(NodeId(place)),
-                None => complete = false,
-            }
+            let place =
+                places[joint].ok_or_else(|| Fault::Invalid(format!("{label} has no joint {joint}")))?;
+            skin.joints.push(NodeId(place));
             skin.joint_from_bind.push(Affine3A::from_mat4(bind));
         }
-        let id = complete.then(|| {
-            scene.skins.push(skin);
-            SkinId(scene.skins.len() - 1)
-        });
-        if id.is_none() {
-            scene.warnings.push(format!("{label}: joints are not in the scene, it is ignored"));
-        }
+        let id = SkinId(scene.skins.len());
+        scene.skins.push(skin);
         self.known.insert(index, id);
         Ok(id)
     }
 }
 
-/// Joints and weights of a primitive's `count` vertices, of all its sets. Weights are made to sum to 1.
+/// Joints and weights of a primitive's vertices, of all their sets. Weights are made to sum to 1.
 pub fn influences(
-    primitive: &Primitive,
-    accessors: &Accessors,
-    name: &str,
-    count: usize,
+    attributes: &Attributes,
     budget: &mut Budget,
     warnings: &mut Vec<String>,
 ) -> Result<Influences, Fault> {
+    let Attributes { name, count, .. } = *attributes;
     let mut sets = Vec::new();
     loop {
-        let attribute = |semantic: &str| primitive.attributes.get(&format!("{semantic}_{}", sets.len()));
-        let (Some(joints), Some(weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
-        let joints = accessors.floats::<4>(joints.0, name, budget)?;
-        let weights = accessors.floats::<4>(weights.0, name, budget)?;
-        if joints.len() != count || weights.len() != count {
-            return Err(Fault::Invalid(format!("{name} has not as many joints and weights as positions")));
-        }
+        let mut read = |semantic: &str| attributes.read::<4>(&format!("{semantic}_{}", sets.len()), budget);
+        let (Some(joints), Some(weights)) = (read("JOINTS")?, read("WEIGHTS")?) else { break };
         sets.push((joints, weights));
     }
     let mut influences = Influences::default();

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Vec2, Vec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{AreaLight, AreaLightShape, Node, NodeId, Scene};
 use serde::Deserialize;
@@ -31,8 +31,8 @@ pub struct LightEntry {
     name: Option<String>,
     node: Option<String>,
     #[serde(default)]
-    position: [f32; 3],
-    target: Option<[f32; 3]>,
+    position: [f64; 3],
+    target: Option<[f64; 3]>,
     direction: Option<[f32; 3]>,
     roll: Option<f32>,
     radius: Option<f32>,
@@ -48,23 +48,25 @@ const LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
 const MOST_RADIANCE: f32 = 1e30;
 
 impl LightEntry {
-    /// Adds the light and a node that places it, or says what is wrong.
-    pub fn add_to(&self, scene: &mut Scene) -> Result<(), String> {
+    /// Adds the light and a node that places it, which it returns with its translation, or says what is wrong.
+    pub fn add_to(&self, scene: &mut Scene) -> Result<(NodeId, DVec3), String> {
         let shape = self.outline()?;
         let radiance = self.radiance(&shape)?;
         let parent = self.node.as_deref().map(|name| node_called(scene, name)).transpose()?;
-        let position = Vec3::from_array(self.position);
-        if !position.is_finite() {
+        let position = DVec3::from_array(self.position);
+        if !position.as_vec3().is_finite() {
             return Err("position must be finite".to_owned());
         }
         scene.nodes.push(Node {
             name: self.name.as_deref().map_or_else(|| "light".to_owned(), quoted),
             parent,
-            parent_from_node: Affine3A::from_mat3_translation(self.orientation(position)?, position),
+            parent_from_node: Affine3A::from_mat3(self.orientation(position)?),
             ..Node::default()
         });
-        scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance });
-        Ok(())
+        let node = NodeId(scene.nodes.len() - 1);
+        scene.place(node, position);
+        scene.lights.push(AreaLight { node, shape, radiance });
+        Ok((node, position))
     }
 
     fn outline(&self) -> Result<AreaLightShape, String> {
@@ -109,11 +111,11 @@ impl LightEntry {
     }
 
     /// Axes of the node: like a camera, the light looks along its -z, with +y (or +z where it looks along y) upwards.
-    fn orientation(&self, position: Vec3) -> Result<Mat3, String> {
+    fn orientation(&self, position: DVec3) -> Result<Mat3, String> {
         let towards = match (self.shape, self.target, self.direction) {
             (Shape::Sphere, None, None) if self.roll.is_none() => return Ok(Mat3::IDENTITY),
             (Shape::Sphere, ..) => return Err("a sphere has no 'target', 'direction' or 'roll'".to_owned()),
-            (_, Some(target), None) => Vec3::from_array(target) - position,
+            (_, Some(target), None) => (DVec3::from_array(target) - position).as_vec3(),
             (_, None, Some(direction)) => Vec3::from_array(direction),
             _ => return Err("a flat light has either 'target' or 'direction'".to_owned()),
         };

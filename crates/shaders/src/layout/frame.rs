@@ -29,6 +29,10 @@ super::constants! {
     pub const FLAG_OWN_LIGHT: u32 = 16;
     /// [`View::flags`]: light is summed with visibilities by few rays.
     pub const FLAG_GRAINY_SUMS: u32 = 32;
+    /// [`View::flags`]: sums of the environment's specular light are of rays by the surfaces' lobes, not of the lights.
+    pub const FLAG_TRACED_GLOSS: u32 = 64;
+    /// [`View::flags`]: unshadowed specular light is that of samples of the lobe.
+    pub const FLAG_SAMPLED_GLOSS: u32 = 128;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
@@ -97,8 +101,14 @@ super::structs! {
         pub interleave: u32,
         /// How many there are.
         pub point_list_count: u32,
+        /// Samples of a glossy lobe.
+        pub gloss_samples: u32,
+        /// The list at which rough gloss is traced; smooth gloss is at the last one.
+        pub rough_gloss_list: u32,
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
         pub sum_scales: Vec3,
+        /// Radiance of a 1 in what is seen of the environment.
+        pub background_scale: f32,
         /// SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
         pub residual_sh: [Vec4; 9],
         /// The same of the whole environment.

@@ -87,6 +87,8 @@ super::structs! {
         pub first_texture: u32,
         /// One after its last.
         pub end_texture: u32,
+        /// 1 where vertex colours multiply the emission, else 0.
+        pub emissive_vertex_colors: u32,
     }
 
     /// A texture as a material uses it.

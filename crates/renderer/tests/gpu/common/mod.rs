@@ -35,7 +35,7 @@ pub fn of_mitsuba(
     let gpu = gpu_or_skip()?;
     let scene = gnomon_scene_files::load(&scene, &LoadOptions::default()).unwrap().scene;
     let camera = scene.cameras[0].clone();
-    let map = gnomon_envmap::load(&map, None).unwrap().map;
+    let map = gnomon_envmap::load(&map, Default::default()).unwrap().map;
     Some((gpu, scene, camera, map, gnomon_picture::read(&truth).unwrap().image))
 }
 

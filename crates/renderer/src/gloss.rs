@@ -1,0 +1,95 @@
+//! What glossy surfaces reflect of the environment, and what the scene hides of it.
+
+use gnomon_brdf::Surface;
+use gnomon_options::choices;
+use gnomon_shaders::layout;
+
+use crate::bindings::{Binding, set_groups};
+use crate::lighting::Lighting;
+use crate::ray_scene::RayScene;
+use crate::recorder::Recorder;
+use crate::shading_points::{PointStage, ShadingPoints};
+use crate::{Gpu, RenderError};
+
+choices! {
+    /// How glossy surfaces learn what the scene hides of their reflections.
+    pub enum GlossPath {
+        /// By rays where the adapter has room for the scene's triangles, else by lights.
+        Auto = "auto",
+        /// Rays by the surface's own lobe: the share of it that is open.
+        Rays = "rays",
+        /// Highlights of the lights, each with its light's shadow.
+        Lights = "lights",
+    }
+}
+
+impl GlossPath {
+    /// Whether surfaces like these are traced, in a scene for which there is room or not.
+    pub fn traces(self, surfaces: &[Surface], has_room: bool) -> bool {
+        let may = match self {
+            Self::Auto => has_room,
+            Self::Rays => true,
+            Self::Lights => false,
+        };
+        may && surfaces.iter().any(|surface| !surface.is_matte())
+    }
+}
+
+/// Traces the lobes of glossy surfaces at shading points.
+pub(crate) struct GlossPass {
+    pipeline: wgpu::ComputePipeline,
+    frame: wgpu::BindGroup,
+    scene: wgpu::BindGroup,
+}
+
+impl GlossPass {
+    /// A pass through a scene's triangles; `gbuffer` and `sums` are the layouts of what it reads and writes.
+    pub fn new(
+        gpu: &Gpu,
+        view: &wgpu::Buffer,
+        lighting: &Lighting,
+        scene: &RayScene,
+        [gbuffer, sums]: [&wgpu::BindGroupLayout; 2],
+    ) -> Result<Self, RenderError> {
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let read = Binding::Storage { read_only: true };
+        let frame_layout =
+            gpu.layout("environment of gloss", compute, &[(0, Binding::Uniform), (1, Binding::LOADED)]);
+        let scene_layout = gpu.layout("scene of gloss", compute, &[(1, read), (2, read)]);
+        let module = gpu.shader("gloss", &[])?;
+        let groups = [
+            (layout::GROUP_FRAME, &frame_layout),
+            (layout::GROUP_SURFACE, gbuffer),
+            (layout::GROUP_SHADOW, &scene_layout),
+            (layout::GROUP_PASS, sums),
+        ];
+        let environment = wgpu::BindingResource::TextureView(&lighting.background);
+        let frame = [(0, view.as_entire_binding()), (1, environment)];
+        let triangles = [(1, scene.nodes.as_entire_binding()), (2, scene.triangles.as_entire_binding())];
+        Ok(Self {
+            pipeline: gpu.compute_pipeline(&module, "gloss", &groups),
+            frame: gpu.bind_group("environment of gloss", &frame_layout, &frame),
+            scene: gpu.bind_group("scene of gloss", &scene_layout, &triangles),
+        })
+    }
+
+    /// The points of a stage.
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        gbuffer: &wgpu::BindGroup,
+        points: &ShadingPoints,
+        stage: &PointStage,
+    ) {
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        let groups = [
+            (layout::GROUP_FRAME, &self.frame),
+            (layout::GROUP_SURFACE, gbuffer),
+            (layout::GROUP_SHADOW, &self.scene),
+            (layout::GROUP_PASS, &stage.light_group),
+        ];
+        set_groups(&mut pass, &groups);
+        pass.dispatch_workgroups_indirect(&points.work, stage.dispatch_offset);
+    }
+}

@@ -1,0 +1,54 @@
+#import view
+#import brdf_models
+#import equirect_texture
+#import gbuffer_surface
+#import sample_pattern
+
+// Filtered importance sampling (Krivanek and Colbert 2008): few samples of a lobe, each reads the mip level of the environment that has about
+// as many texels as the sphere has samples of its density. The importer binds `environment_levels: texture_2d<f32>`.
+
+struct LobeSample {
+    // Unit vector in the world.
+    direction: vec3f,
+    // What it adds to the light that the lobe reflects of the environment.
+    radiance: vec3f,
+}
+
+// Lobes of this GGX alpha and above have all rays. They change little from pixel to pixel: the points of wide lights are enough for them.
+const ROUGH_ALPHA: f32 = 0.15;
+// Samples of unshadowed light for each ray.
+const SAMPLES_OF_RAY: u32 = 4u;
+
+// The lobe's sample for `u` in the unit square, one of `count`; it adds nothing where it would go under the surface.
+fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
+    let wo = local_from_world(surface.frame, surface.wo);
+    let wi = reflectance_sample(surface.lobe, wo, u);
+    let pdf = reflectance_pdf(surface.lobe, wo, wi);
+    if pdf <= 0.0 || wi.z <= 0.0 {
+        return LobeSample(surface.n, vec3f(0.0));
+    }
+    let size = vec2f(textureDimensions(environment_levels, 0));
+    let texels_per_sample = size.x * size.y / (4.0 * PI) / (f32(count) * pdf);
+    let level = 0.5 * log2(max(texels_per_sample, 1e-6));
+    let direction = world_from_local(surface.frame, wi);
+    let towards = (view.environment_from_world * vec4f(direction, 0.0)).xyz;
+    let reflected = reflectance_lobe(surface.lobe, wo, wi) * (wi.z / (pdf * f32(count)));
+    return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level));
+}
+
+// Rays of a lobe: what narrow ones reflect is alike for all of them.
+fn rays_of(lobe: Lobe) -> u32 {
+    let alpha = alpha_from_roughness(reflectance_equivalent_roughness(lobe));
+    let share = min(sqrt(alpha / ROUGH_ALPHA), 1.0);
+    return max(u32(share * f32(view.gloss_samples)), 1u);
+}
+
+// What a surface's lobe reflects of the whole environment, unshadowed.
+fn sampled_specular(surface: Surface) -> vec3f {
+    let count = SAMPLES_OF_RAY * rays_of(surface.lobe);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < count; i++) {
+        sum += lobe_sample(surface, hammersley(i, count), count).radiance;
+    }
+    return sum;
+}
