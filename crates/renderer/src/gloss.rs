@@ -14,7 +14,7 @@ use crate::{Gpu, RenderError};
 choices! {
     /// How glossy surfaces learn what the scene hides of their reflections.
     pub enum GlossPath {
-        /// By rays where the adapter has room for the scene's triangles, else by lights.
+        /// By rays where there are shadows and the adapter has room for the scene's triangles, else by lights.
         Auto = "auto",
         /// Rays by the surface's own lobe: the share of it that is open.
         Rays = "rays",
@@ -24,10 +24,10 @@ choices! {
 }
 
 impl GlossPath {
-    /// Whether surfaces like these are traced, in a scene for which there is room or not.
-    pub fn traces(self, surfaces: &[Surface], has_room: bool) -> bool {
+    /// Whether surfaces like these are traced, in a frame that rays suit or not.
+    pub(crate) fn traces(self, surfaces: &[Surface], suits: bool) -> bool {
         let may = match self {
-            Self::Auto => has_room,
+            Self::Auto => suits,
             Self::Rays => true,
             Self::Lights => false,
         };

@@ -155,10 +155,11 @@ impl Renderer {
         let in_force = is.lit.as_ref().map(|lit| &lit.lighting);
         let technique = lighting.as_ref().or(in_force).map(|l| self.technique(&chosen, l, geometry));
         let surfaces = scene.surfaces.as_ref().unwrap_or(&self.surfaces);
-        let has_room = ray_scene::has_room_for(gpu, geometry);
+        let casts = technique.is_some_and(|technique| technique.casts_shadows());
+        let suits = casts && ray_scene::has_room_for(gpu, geometry);
         // Lights that stand for themselves are what is reflected.
         let has_map = lighting.as_ref().or(in_force).is_some_and(|lighting| !lighting.stands_alone);
-        let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, has_room);
+        let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, suits);
         let traces_rays = traces_gloss || technique.is_some_and(|technique| technique.traces_rays());
         let ray_scene = match traces_rays && (is_new || self.ray_scene.is_none()) {
             true => Some(RayScene::new(gpu, &self.passes.refit, geometry, self.ray_scene.as_ref())?),

@@ -51,6 +51,10 @@ impl ShadowTechnique for Buffered {
         self.0.has_sharp_maps()
     }
 
+    fn casts_shadows(&self) -> bool {
+        self.0.casts_shadows()
+    }
+
     fn traces_rays(&self) -> bool {
         self.0.traces_rays()
     }

@@ -23,6 +23,10 @@ impl ShadowTechnique for None {
         Option::None
     }
 
+    fn casts_shadows(&self) -> bool {
+        false
+    }
+
     fn memory(&self, _: &ShadowSettings, _resolution: u32) -> ShadowMemory {
         ShadowMemory::default()
     }

@@ -35,6 +35,10 @@ pub(crate) trait ShadowTechnique: Sync {
     fn has_sharp_maps(&self) -> bool {
         true
     }
+    /// Whether anything is hidden from light.
+    fn casts_shadows(&self) -> bool {
+        true
+    }
     /// Whether it needs [`ShadowContext::rays`].
     fn traces_rays(&self) -> bool {
         false

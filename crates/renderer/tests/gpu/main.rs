@@ -12,6 +12,7 @@ mod compositing;
 mod debug_views;
 mod embedding;
 mod filters;
+mod gloss;
 mod level_of_detail;
 mod lights;
 mod masks;
