@@ -158,7 +158,7 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
         ("rotation = inf", "line 3: `rotation` cannot be `inf`: it takes a finite angle in degrees"),
         (
             "turn = 3",
-            "line 3: unknown field `turn`, expected one of `file`, `builtin`, `exposure`, `projection`, `rotation`",
+            "line 3: unknown field `turn`, expected one of `file`, `builtin`, `exposure`, `projection`, `layer`, `rotation`",
         ),
     ] {
         let text = scene.replace("[[model]]", &format!("{line}\n[[model]]"));

@@ -6,7 +6,7 @@ use std::slice;
 use gnomon_lights::LightSet;
 use gnomon_metrics::{DISPLAY_MAPPING, Exposure, Mask, compare_displayed};
 use gnomon_picture::RgbImage;
-use gnomon_renderer::RenderSettings;
+use gnomon_renderer::{GlossPath, RenderSettings};
 
 use crate::columns::stand_ins;
 use crate::{Environment, Lab, LabError, Setup, TimedRenderer, Truth, View};
@@ -166,13 +166,16 @@ fn samples(lab: &Lab<'_>) -> u32 {
     lab.pick(2, 4, 4)
 }
 
-/// A frame as the paper draws it: every sample has its own shadows. Large sets of lights take turns.
+/// A frame as the paper draws it: every sample has its own shadows, highlights are those of the lights, unshadowed ones come from the radiance
+/// cache. Large sets of lights take turns.
 pub(super) fn frame(lab: &Lab<'_>) -> RenderSettings {
     RenderSettings::default().with(|s| {
         s.techniques.supersample = samples(lab);
         s.techniques.shadow_resolution = lab.pick(32, 256, 512);
         s.techniques.shadow_sampling = 1;
         s.techniques.shadow_memory = 256;
+        s.techniques.gloss = GlossPath::Lights;
+        s.techniques.unshadowed = "cache".to_owned();
     })
 }
 

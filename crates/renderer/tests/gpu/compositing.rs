@@ -73,6 +73,7 @@ fn no_rule_leaves_negative_or_infinite_pixels_on_glossy_surfaces() {
                     s.techniques.shadows = shadows.to_owned();
                     s.techniques.compositing = compositing.to_owned();
                     s.techniques.unshadowed = unshadowed.to_owned();
+                    s.techniques.gloss_samples = 8;
                     s.techniques.shadow_resolution = 64;
                     s.techniques.shadow_sampling = shadow_sampling;
                     s.techniques.supersample = 1;
