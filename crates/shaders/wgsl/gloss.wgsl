@@ -1,19 +1,12 @@
 #import lobe_samples
 #import ray_origin
 #import ray_scene
-#import stage_points
-#import stored_sums
+#import summed_points
 
 // What glossy surfaces reflect of the environment at every shading point, without shadows and with them: the samples of the lobe, and those
 // of them whose way is open.
 
 @group(GROUP_FRAME) @binding(1) var environment_levels: texture_2d<f32>;
-@group(GROUP_PASS) @binding(0) var<storage, read> points: array<ShadingPoint>;
-@group(GROUP_PASS) @binding(1) var<storage, read> work: array<u32>;
-@group(GROUP_PASS) @binding(2) var<storage, read_write> diffuse_sums: array<vec4u>;
-@group(GROUP_PASS) @binding(3) var<storage, read_write> specular_sums: array<u32>;
-@group(GROUP_PASS) @binding(4) var<storage, read_write> near_sums: array<u32>;
-@group(GROUP_PASS) @binding(5) var<uniform> stage: PointStage;
 
 @compute @workgroup_size(LIGHT_WORKGROUP)
 fn gloss(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
