@@ -35,6 +35,9 @@ pub struct ReferenceOptions<'a> {
     pub samples_per_pixel: u32,
     /// Whether the environment is seen behind the scene.
     pub background: bool,
+    /// Whether glossy lobes reflect the scene, too, as it is in direct light: one more bounce off them. Else they reflect light alone, and
+    /// what the scene hides of it is black.
+    pub reflections: bool,
     /// The same seed gives the same picture, bit for bit.
     pub seed: u64,
     /// Told the finished share, 0..1, now and then, from any thread.
@@ -50,6 +53,7 @@ impl Default for ReferenceOptions<'_> {
             height: 768,
             samples_per_pixel: 256,
             background: true,
+            reflections: true,
             seed: 0,
             progress: None,
             cancel: None,
@@ -128,6 +132,7 @@ pub(crate) fn sky_tracer<'a>(
             .with_near(&scene.placed_lights()),
         unshadowed: None,
         background: options.background.then_some(sky.background),
+        reflections: options.reflections,
     })
 }
 
@@ -154,7 +159,8 @@ pub fn render_lights(
     };
     let shadowed = shadowed.with_near(&scene.placed_lights());
     let background = options.background.then_some(background);
-    let tracer = Tracer { scene: TracedScene::new(scene)?, shadowed, unshadowed, background };
+    let scene = TracedScene::new(scene)?;
+    let tracer = Tracer { scene, shadowed, unshadowed, background, reflections: options.reflections };
     estimate(&tracer, camera, options)
 }
 
