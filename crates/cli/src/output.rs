@@ -5,6 +5,7 @@ use std::path::Path;
 
 use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::picture::{RgbImage, atomic};
+use gnomon::renderer::layers::RenderedLayers;
 use serde::Serialize;
 
 use crate::error::CliError;
@@ -76,6 +77,16 @@ pub fn write_radiance(
     } else {
         gnomon::picture::write(path, &tone_mapped(radiance, tone_mapping, exposure))?;
     }
+    Ok(())
+}
+
+/// Writes radiance and layers as one OpenEXR file.
+///
+/// # Errors
+/// As [`gnomon::picture::exr::write_channels`].
+pub fn write_layers(path: &Path, radiance: &RgbImage, layers: &RenderedLayers) -> Result<(), CliError> {
+    let (channels, attributes) = layers.with_picture(radiance);
+    gnomon::picture::exr::write_channels(path, layers.size, channels, &attributes)?;
     Ok(())
 }
 

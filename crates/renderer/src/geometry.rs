@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use gnomon_scene::{
-    AlphaMode, Bounds, Instance, MaterialId, Mesh, Pose, Scene, SimplerTriangles, SkinId, Texture, TextureRef,
+    AlphaMode, Bounds, Instance, MaterialId, Mesh, NodeId, Pose, Scene, SimplerTriangles, SkinId, Texture,
+    TextureRef,
 };
 
 use crate::casters::{InstanceBox, PlacedBoxes, SimplerIndices};
@@ -45,6 +46,8 @@ pub(crate) struct Geometry {
     pub indices: wgpu::Buffer,
     /// By instance.
     runs: Vec<Run>,
+    /// By instance, the node that it hangs on.
+    nodes: Vec<NodeId>,
     pub ranges: Vec<DrawRange>,
     /// Of all triangles as they are; what follows them are simpler ones.
     pub index_count: u32,
@@ -67,6 +70,7 @@ pub(crate) struct Geometry {
 
 /// Another pose of a geometry.
 pub(crate) struct MovedGeometry {
+    nodes: Vec<NodeId>,
     boxes: Vec<InstanceBox>,
     placed_boxes: PlacedBoxes,
     data: PoseData,
@@ -268,6 +272,7 @@ impl Geometry {
             vertices,
             indices: indices.buffer(gpu, before.map(|before| &before.indices)),
             runs,
+            nodes: nodes(&placed),
             ranges,
             index_count,
             boxes,
@@ -290,6 +295,12 @@ impl Geometry {
     pub fn vertex_buffers(&self) -> [&wgpu::Buffer; 4] {
         let [positions, normals, tangents] = &self.vertices.world;
         [positions, normals, tangents, &self.vertices.attributes.buffer]
+    }
+
+    /// Each instance by itself: its node, the number of its material in the scene, its indices.
+    pub fn instances(&self) -> impl Iterator<Item = (NodeId, Option<usize>, Range<u32>)> {
+        let placed = self.nodes.iter().zip(&self.placed).zip(&self.runs);
+        placed.map(|((&node, kept), run)| (node, kept.material.map(|material| material.0), run.whole.clone()))
     }
 
     /// The instances, in the order of [`crate::casters::PlacedBox::instance`].
@@ -336,13 +347,14 @@ impl Geometry {
         let (boxes, placed_boxes) = self.moved_boxes(scene, &pose, placed)?;
         let numbers: Vec<u32> = self.vertices.slots.iter().map(|slot| slot.instance).collect();
         let data = PoseData::new(scene, &pose, placed, &numbers);
-        Ok(MovedGeometry { boxes, placed_boxes, data })
+        Ok(MovedGeometry { nodes: nodes(placed), boxes, placed_boxes, data })
     }
 
     /// Takes such a pose over, for the next frame.
     pub fn take(&mut self, moved: MovedGeometry) {
-        let MovedGeometry { boxes, placed_boxes, data } = moved;
+        let MovedGeometry { nodes, boxes, placed_boxes, data } = moved;
         (self.boxes, self.placed_boxes, self.moved) = (boxes, placed_boxes, Some(data));
+        self.nodes = nodes;
     }
 
     /// Brings to the GPU what has moved.
@@ -419,6 +431,10 @@ fn kept(scene: &Scene, placed: &[Instance]) -> Vec<Kept> {
 
 fn joint_count(scene: &Scene) -> usize {
     scene.skins.iter().map(|skin| skin.joint_from_bind.len()).sum()
+}
+
+fn nodes(placed: &[Instance]) -> Vec<NodeId> {
+    placed.iter().map(|instance| instance.node).collect()
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.

@@ -13,6 +13,7 @@ use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::ray_scene::{RayScene, RefitPass};
 use crate::recorder::PassTiming;
 use crate::resolve::{Output, ResolvePass};
+use crate::seen::{SeenPass, SeenTarget};
 use crate::settings::{Chosen, RenderSettings};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::depth_maps::ShadowMapPass;
@@ -24,6 +25,7 @@ mod change;
 mod debug;
 mod display;
 mod draw;
+mod layers;
 mod set;
 mod state;
 mod timing;
@@ -60,6 +62,10 @@ pub struct Renderer {
     /// Slices that the view of the last frame had.
     slice_count: usize,
     debug: Option<debug::Debug>,
+    /// Made for the first layers.
+    seen: Option<SeenPass>,
+    /// The frame before, for motion.
+    before: Option<layers::Before>,
     in_flight: FramesInFlight,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
@@ -82,7 +88,9 @@ struct Target {
     points: ShadingPoints,
     /// Values along a pixel's side of what is composed: 1, or the samples of a debug view.
     composed: u32,
+    values: wgpu::Texture,
     output: Output,
+    seen: Option<SeenTarget>,
 }
 
 impl Renderer {
@@ -133,6 +141,8 @@ impl Renderer {
             target: None,
             slice_count: 1,
             debug: None,
+            seen: None,
+            before: None,
             in_flight: FramesInFlight::default(),
             view,
             view_group,

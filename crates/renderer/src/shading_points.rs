@@ -11,6 +11,8 @@ pub(crate) struct ShadingPoints {
     pub stages: Vec<PointStage>,
     /// Own bind groups of the passes that make a picture of the sums: over all pixels, and over edge pixels.
     pub compose_groups: [wgpu::BindGroup; 2],
+    /// A [`layout::Composition`] for each of these.
+    composed: [wgpu::Buffer; 2],
     /// Account of points: arguments of indirect dispatches, edge pixels.
     pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
@@ -100,6 +102,19 @@ pub(crate) struct PointPlan {
 pub(crate) fn samplings(techniques: &TechniqueSettings) -> Vec<u32> {
     let (wide, sharp) = (techniques.shadow_sampling, techniques.sharp_shadow_sampling);
     if sharp < wide { vec![wide, sharp] } else { vec![wide] }
+}
+
+fn composition(over_edges: u32, part: u32) -> layout::Composition {
+    layout::Composition { over_edges, part }
+}
+
+impl ShadingPoints {
+    /// What is composed from the next submission on, a PART constant.
+    pub fn compose_part(&self, gpu: &Gpu, part: u32) {
+        for (over_edges, buffer) in (0..).zip(&self.composed) {
+            gpu.write(buffer, &composition(over_edges, part));
+        }
+    }
 }
 
 impl PointStage {
@@ -317,19 +332,21 @@ impl ShadingPointsPass {
             }
         });
         let stages = stages.collect();
-        let compose_groups = [0, 1].map(|over_edges: u32| {
+        let composed = [0, 1].map(|over_edges: u32| {
             let uniform = wgpu::BufferUsages::UNIFORM;
-            let over_edges =
-                gpu.buffer_with("over edges", bytemuck::bytes_of(&[over_edges, 0, 0, 0]), uniform);
+            gpu.shared_buffer("composition", &composition(over_edges, layout::PART_PICTURE), uniform)
+        });
+        let compose_groups = composed.each_ref().map(|composition| {
             let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
             let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
             resources.push((7, wgpu::BindingResource::TextureView(radiance)));
-            resources.push((8, over_edges.as_entire_binding()));
+            resources.push((8, composition.as_entire_binding()));
             gpu.bind_group("sums to compose", &self.compose_layout, &resources)
         });
         Ok(ShadingPoints {
             stages,
             compose_groups,
+            composed,
             list: points,
             work,
             edge_dispatch,

@@ -6,8 +6,9 @@ use gnomon::metrics::SampledError;
 use gnomon::picture::RgbImage;
 use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::reference::{self, ReferenceOptions};
+use gnomon::renderer::layers::{Layer, RenderedLayers};
 use gnomon::renderer::{Gpu, GpuOptions};
-use gnomon::studio::{Film, FrameFiles, Look, Sequence, SequenceRun, Stage, Studio};
+use gnomon::studio::{Film, FrameFiles, Sequence, SequenceRun, Stage, Studio};
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
 
@@ -22,24 +23,29 @@ use crate::output;
 /// No adapter, pictures of other settings under the same names, unwritable files, no ffmpeg for a film.
 pub fn render(
     args: &SequenceArgs,
-    check: &CheckArgs,
+    (check, layers): (&CheckArgs, &[Layer]),
     (output, save_scene): (&Path, Option<&Path>),
     options: &GpuOptions,
     stage: Stage,
     terminal: Terminal,
 ) -> Result<(), CliError> {
     let gpu = Gpu::new(options)?;
-    let job = Job::new(args, output, &stage, json!({ "gpu": gpu.adapter().name }))?;
+    let how = json!({ "gpu": gpu.adapter().name, "layers": layers });
+    let job = Job::new(args, output, &stage, how)?;
     let [width, height] = stage.look().picture.size;
     let mut studio = Studio::new(&gpu, stage)?;
     if let Some(path) = save_scene {
         studio.save_scene(path)?;
     }
-    job.run(terminal, |look| {
-        studio.set_look(look)?;
-        let radiance = studio.frame(width, height)?.radiance;
-        let error = check.frame(studio.stage(), &radiance)?;
-        Ok((radiance, error))
+    job.run(terminal, |sequence, frame| {
+        if layers.contains(&Layer::Motion) {
+            studio.set_look(sequence.look_before(frame))?;
+            studio.remember_for_motion()?;
+        }
+        studio.set_look(sequence.look(frame))?;
+        let (frame, layers) = studio.frame_layers(width, height, layers)?;
+        let error = check.frame(studio.stage(), &frame.radiance)?;
+        Ok(Drawn { radiance: frame.radiance, layers, error })
     })
 }
 
@@ -56,10 +62,11 @@ pub fn reference(
 ) -> Result<(), CliError> {
     let how = json!({ "samples_per_pixel": options.samples_per_pixel, "seed": options.seed });
     let job = Job::new(args, output, &stage, how)?;
-    job.run(terminal, |look| {
-        stage.set_look(look)?;
+    job.run(terminal, |sequence, frame| {
+        stage.set_look(sequence.look(frame))?;
         let (scene, camera) = stage.for_reference()?;
-        Ok((reference::render(&scene, &camera, stage.surroundings().sky(), options)?.mean, None))
+        let radiance = reference::render(&scene, &camera, stage.surroundings().sky(), options)?.mean;
+        Ok(Drawn { radiance, layers: RenderedLayers::default(), error: None })
     })
 }
 
@@ -71,6 +78,13 @@ struct Job {
     frames: Vec<u32>,
     kept: usize,
     display: (f32, ToneMapping),
+}
+
+/// What becomes of a frame.
+struct Drawn {
+    radiance: RgbImage,
+    layers: RenderedLayers,
+    error: Option<SampledError>,
 }
 
 enum Sink {
@@ -98,7 +112,7 @@ impl Job {
     fn run(
         mut self,
         terminal: Terminal,
-        mut draw: impl FnMut(Look) -> Result<(RgbImage, Option<SampledError>), CliError>,
+        mut draw: impl FnMut(&Sequence, u32) -> Result<Drawn, CliError>,
     ) -> Result<(), CliError> {
         if self.kept > 0 {
             terminal.note(&format!("{} frames are there already, {} to draw", self.kept, self.frames.len()));
@@ -107,13 +121,16 @@ impl Job {
         for (done, &frame) in self.frames.iter().enumerate() {
             bar.set(done as f32 / self.frames.len() as f32);
             bar.tell(&format!("frame {frame}"));
-            let (radiance, error) = draw(self.sequence.look(frame))?;
+            let Drawn { radiance, layers, error } = draw(&self.sequence, frame)?;
             if let Some(error) = error {
                 bar.suspend(|| terminal.note(&format!("check of frame {frame}: {error}")));
             }
             match &mut self.sink {
                 Sink::Pictures(run) => {
-                    output::write_radiance(&run.path(frame), &radiance, self.display)?;
+                    match layers.layers.is_empty() {
+                        true => output::write_radiance(&run.path(frame), &radiance, self.display)?,
+                        false => output::write_layers(&run.path(frame), &radiance, &layers)?,
+                    }
                     run.finish(frame)?;
                 }
                 Sink::Film(film) => film.add(&tone_mapped(&radiance, self.display.1, self.display.0))?,

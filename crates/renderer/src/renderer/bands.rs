@@ -7,6 +7,7 @@ use gnomon_picture::RgbImage;
 
 use super::{Frame, Renderer};
 use crate::gpu::TextureReadBack;
+use crate::layers::{Layer, RenderedLayer, RenderedLayers};
 use crate::recorder::{FrameTimings, add_times};
 use crate::shading_points::samplings;
 use crate::{Gpu, RenderError};
@@ -64,6 +65,7 @@ pub(super) struct BandsInFlight {
     pub(super) gpu: Gpu,
     pub(super) size: [u32; 2],
     pub(super) bands: Vec<BandInFlight>,
+    pub(super) layers: Vec<Layer>,
 }
 
 /// A band of it, on its way.
@@ -71,15 +73,20 @@ pub(super) struct BandInFlight {
     pub(super) band: Band,
     pub(super) radiance: TextureReadBack,
     pub(super) display: TextureReadBack,
+    /// Those of the picture, in order.
+    pub(super) layers: Vec<TextureReadBack>,
     pub(super) timings: FrameTimings,
 }
 
 impl BandsInFlight {
-    /// The picture, once everything is there.
-    pub(super) async fn frame(self) -> Result<Frame, RenderError> {
-        let Self { gpu, size: [width, height], bands } = self;
+    /// The picture and its layers, once everything is there.
+    pub(super) async fn frame(self) -> Result<(Frame, RenderedLayers), RenderError> {
+        let Self { gpu, size: [width, height], bands, layers } = self;
         let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
-        for BandInFlight { band, radiance: texels, display: bytes, timings: of_band } in bands {
+        let mut layers: Vec<_> = layers.into_iter().map(RenderedLayer::empty).collect();
+        for BandInFlight { band, radiance: texels, display: bytes, layers: of_layers, timings: of_band } in
+            bands
+        {
             let texels: Vec<[f32; 4]> = pod_collect_to_vec(&texels.texels().await?);
             let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&bytes.texels().await?);
             let before = ((band.kept.start - band.drawn.start) * width) as usize;
@@ -87,6 +94,10 @@ impl BandsInFlight {
             let kept = texels.iter().skip(before).take(count);
             radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
             display.extend(bytes.into_iter().skip(before).take(count));
+            for (layer, words) in layers.iter_mut().zip(of_layers) {
+                let words: Vec<[u32; 4]> = pod_collect_to_vec(&words.texels().await?);
+                layer.extend(words.get(before..before + count).unwrap_or_default());
+            }
             add_times(&mut timings, of_band.passes().await?);
         }
         gpu.check()?;
@@ -94,9 +105,12 @@ impl BandsInFlight {
         if pixels > 0 {
             return Err(RenderError::NotFinite { pixels, adapter: gpu.adapter().name.clone() });
         }
+        for layer in &layers {
+            layer.check(&gpu.adapter().name)?;
+        }
         let radiance = RgbImage::from_texels(width, height, radiance)
             .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
-        Ok(Frame { radiance, display, timings })
+        Ok((Frame { radiance, display, timings }, RenderedLayers { size: [width, height], layers }))
     }
 }
 
@@ -147,8 +161,9 @@ mod tests {
             let size = [64, 50];
             let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
             let mut differences = |overlap: u32| {
-                let bands = renderer.begin_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
-                let banded = gpu.wait_for(bands.frame()).unwrap();
+                let bands = cut(50, 12, overlap);
+                let bands = renderer.begin_bands(&scene.cameras[0], size, &bands, &[]).unwrap();
+                let (banded, _) = gpu.wait_for(bands.frame()).unwrap();
                 assert_eq!(banded.display.len(), whole.display.len());
                 let pairs = whole.radiance.texels().iter().zip(banded.radiance.texels());
                 // Directions are rounded a little differently, which bright places of the environment show.
