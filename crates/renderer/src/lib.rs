@@ -21,6 +21,7 @@ mod gloss;
 mod gpu;
 mod ground;
 mod irradiance;
+pub mod layers;
 mod light_batches;
 mod light_frame;
 mod light_pass;
@@ -36,6 +37,7 @@ mod ray_scene;
 mod recorder;
 mod renderer;
 mod resolve;
+mod seen;
 mod settings;
 mod shading_points;
 pub mod shadow;
@@ -56,7 +58,8 @@ pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Change, Frame, LightingChange, Renderer, SceneChange, TimedFrame};
 pub use settings::{
-    DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+    Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
+    TechniqueSettings,
 };
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

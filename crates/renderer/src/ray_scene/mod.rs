@@ -90,7 +90,8 @@ impl RayScene {
         materials: Option<&Materials>,
         before: Option<&Self>,
     ) -> Result<Self, RenderError> {
-        let placed: Vec<PlacedMesh<'_>> = geometry.placed_meshes().collect();
+        let casting = geometry.placed_meshes().enumerate().filter(|(_, place)| place.casts);
+        let (numbers, placed): (Vec<usize>, Vec<PlacedMesh<'_>>) = casting.unzip();
         let hierarchies = hierarchies(&placed, before);
         let of = |mesh: &Arc<Mesh>| &hierarchies[&address(mesh)].1;
         let top_count = (2 * placed.len()).max(1);
@@ -115,7 +116,7 @@ impl RayScene {
         let mut instances = Vec::with_capacity(placed.len());
         let mut by_height: Vec<Vec<u32>> = Vec::new();
         let mut hits = materials.map(hits::HitTriangles::of);
-        for (number, place) in placed.iter().enumerate() {
+        for (&number, place) in numbers.iter().zip(&placed) {
             let hierarchy = of(place.mesh);
             if hierarchy.nodes.is_empty() {
                 continue;

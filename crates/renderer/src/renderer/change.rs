@@ -252,7 +252,10 @@ impl Renderer {
         let NextScene { geometry, materials, near_lights, surfaces } = scene;
         let mut refit = geometry.is_some();
         match geometry {
-            Some(NextGeometry::New(geometry)) => self.geometry = *geometry,
+            Some(NextGeometry::New(geometry)) => {
+                self.geometry = *geometry;
+                self.before = None;
+            }
             Some(NextGeometry::Moved(moved)) => self.geometry.take(moved),
             None => {}
         }
