@@ -33,6 +33,8 @@ struct Instance {
     handedness: f32,
     /// Has an alpha mask.
     has_holes: bool,
+    /// Is a catcher, which blocks no light.
+    catches: bool,
     /// Its vertices, where a skin or morph targets move them.
     deformed: Option<WorldVertices>,
 }
@@ -67,6 +69,8 @@ pub(crate) struct HitPoint {
     pub(crate) clearance: f32,
     pub(crate) surface: Surface,
     pub(crate) emissive: Vec3,
+    /// Shows what is behind the scene; its surface then is matte.
+    pub(crate) catches: bool,
 }
 
 impl HitPoint {
@@ -112,6 +116,7 @@ impl<'a> TracedScene<'a> {
                 normal_from_mesh,
                 handedness,
                 has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
+                catches: scene.material(placed.mesh).catches,
                 deformed,
             });
         }
@@ -136,7 +141,10 @@ impl<'a> TracedScene<'a> {
         let Some(mut traversal) = traversal_ray(ray) else { return false };
         // A lamp may touch what it hangs on: that is behind its front.
         traversal.tmax = distance * (1.0 - END_CLEARANCE);
-        !self.bvh.ray_traverse_miss(traversal, |_, index| self.distance(ray, index).unwrap_or(f32::INFINITY))
+        !self.bvh.ray_traverse_miss(traversal, |_, index| {
+            let catches = self.instances[self.triangles[index].instance as usize].catches;
+            self.distance(ray, index).filter(|_| !catches).unwrap_or(f32::INFINITY)
+        })
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
@@ -163,8 +171,9 @@ impl<'a> TracedScene<'a> {
             geometric_normal,
             frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
             clearance: CLEARANCE * largest,
-            surface: point.surface,
+            surface: if instance.catches { Surface::default() } else { point.surface },
             emissive: point.emissive,
+            catches: instance.catches,
         }
     }
 

@@ -81,6 +81,7 @@ struct Kept {
     mesh: Arc<Mesh>,
     material: Option<MaterialId>,
     mask: Option<Mask>,
+    catches: bool,
     skin: Option<SkinId>,
     /// Of a masked mesh.
     micromaps: Option<Arc<Micromaps>>,
@@ -125,13 +126,15 @@ pub(crate) struct PlacedMesh<'a> {
     pub first_vertex: u32,
     /// Where it has a mask.
     pub micromaps: Option<&'a Micromaps>,
+    pub casts: bool,
 }
 
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
         let mask = Mask::of(scene, &mesh);
-        Self { material: mesh.material, mask, mesh, skin: instance.skin, micromaps: None }
+        let catches = scene.material(instance.mesh).catches;
+        Self { material: mesh.material, mask, catches, mesh, skin: instance.skin, micromaps: None }
     }
 }
 
@@ -139,7 +142,7 @@ impl PartialEq for Kept {
     fn eq(&self, other: &Self) -> bool {
         // A mesh that was made anew, such as a ground, may be the same.
         let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh) || self.mesh == other.mesh;
-        let rest = |kept: &Self| (kept.material, kept.skin);
+        let rest = |kept: &Self| (kept.material, kept.catches, kept.skin);
         same_mesh && rest(self) == rest(other) && self.mask == other.mask
     }
 }
@@ -200,6 +203,7 @@ impl Geometry {
                 simpler: Vec::new(),
                 instance,
                 world_from_mesh,
+                casts: !scene.material(placement.mesh).catches,
             };
             if scene.is_deformable(placement) {
                 // Its place is known once the pose is.
@@ -208,6 +212,12 @@ impl Geometry {
                     boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, None));
                 }
             } else if let Some(detail) = details.get(&address(mesh)) {
+                if scene.material(placement.mesh).catches {
+                    // It is left out of maps as a whole.
+                    let around = detail.parts.iter().map(|part| part.bounds).reduce(Bounds::union);
+                    boxes.extend(around.map(|bounds| new_box(bounds, Some(whole.clone()))));
+                    continue;
+                }
                 if !is_masked {
                     simpler.push((boxes.len(), &detail.simpler, instance));
                 }
@@ -309,6 +319,7 @@ impl Geometry {
             mesh: &kept.mesh,
             first_vertex: slot.first_vertex,
             micromaps: kept.micromaps.as_deref(),
+            casts: !kept.catches,
         })
     }
 
@@ -384,13 +395,7 @@ impl Geometry {
             let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
             if let Some(((min, max), world_from_mesh)) = around {
                 let bounds = Bounds { min, max };
-                *place = InstanceBox {
-                    bounds,
-                    indices: None,
-                    simpler: Vec::new(),
-                    instance: place.instance,
-                    world_from_mesh,
-                };
+                (place.bounds, place.world_from_mesh) = (bounds, world_from_mesh);
             }
         }
         let placed_boxes = PlacedBoxes::new(&boxes);

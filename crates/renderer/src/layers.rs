@@ -38,6 +38,8 @@ choices! {
         Diffuse = "diffuse",
         /// Radiance that glossy surfaces reflect.
         Specular = "specular",
+        /// Radiance by each light, and what else the picture is the sum of: ambient, emission, reflections, background.
+        Lights = "lights",
     }
 }
 
@@ -48,11 +50,47 @@ pub(crate) enum LayerSource {
     Seen(u32),
     /// What is composed, a PART constant.
     Composed(u32),
+    /// The same under the light of one group.
+    Group { group: u32, part: u32 },
+}
+
+/// Layers to be drawn with a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LayerRequest {
+    /// Which; one that is named twice is drawn once.
+    pub layers: Vec<Layer>,
+    /// Most layers that [`Layer::Lights`] makes of lights, at least 1: the scene's own lights and then those that give most have one each, the
+    /// others share the last one.
+    pub light_layers: usize,
+}
+
+impl LayerRequest {
+    /// [`LayerRequest::light_layers`] where nobody says.
+    pub const LIGHT_LAYERS: usize = 8;
+}
+
+impl From<&[Layer]> for LayerRequest {
+    fn from(layers: &[Layer]) -> Self {
+        Self { layers: layers.to_vec(), light_layers: Self::LIGHT_LAYERS }
+    }
+}
+
+impl<const N: usize> From<&[Layer; N]> for LayerRequest {
+    fn from(layers: &[Layer; N]) -> Self {
+        layers.as_slice().into()
+    }
+}
+
+impl From<&Self> for LayerRequest {
+    fn from(request: &Self) -> Self {
+        request.clone()
+    }
 }
 
 impl Layer {
-    pub(crate) fn source(self) -> LayerSource {
-        match self {
+    /// None for those that consist of several, each with its own name.
+    pub(crate) fn source(self) -> Option<LayerSource> {
+        Some(match self {
             Self::Depth => LayerSource::Seen(layout::LAYER_DEPTH),
             Self::Normal => LayerSource::Seen(layout::LAYER_NORMAL),
             Self::Position => LayerSource::Seen(layout::LAYER_POSITION),
@@ -65,10 +103,12 @@ impl Layer {
             Self::Shadow => LayerSource::Composed(layout::PART_SHADOW),
             Self::Diffuse => LayerSource::Composed(layout::PART_DIFFUSE),
             Self::Specular => LayerSource::Composed(layout::PART_SPECULAR),
-        }
+            Self::Lights => return None,
+        })
     }
 
-    /// Names of its channels in OpenEXR files, as compositing programs know them: Nuke takes `Z`, `N` and `P` for what they are.
+    /// Names of its channels in OpenEXR files, as compositing programs know them: Nuke takes `Z`, `N` and `P` for what they are. Each of the
+    /// several layers of [`Layer::Lights`] has a name of its own.
     pub const fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Depth => &["Z"],
@@ -83,6 +123,7 @@ impl Layer {
             Self::Shadow => &["shadow.R", "shadow.G", "shadow.B"],
             Self::Diffuse => &["diffuse.R", "diffuse.G", "diffuse.B"],
             Self::Specular => &["specular.R", "specular.G", "specular.B"],
+            Self::Lights => &[],
         }
     }
 
@@ -91,7 +132,7 @@ impl Layer {
         match self {
             Self::Depth | Self::Position => "m",
             Self::Motion => "pixels",
-            Self::Diffuse | Self::Specular => "radiance",
+            Self::Diffuse | Self::Specular | Self::Lights => "radiance",
             _ => "",
         }
     }
@@ -116,7 +157,7 @@ impl Layer {
 pub struct RenderedLayers {
     /// Columns and rows of each, those of the picture.
     pub size: [u32; 2],
-    /// In the order in which they were asked for, each once.
+    /// In the order in which they were asked for, each once, but for the several of [`Layer::Lights`].
     pub layers: Vec<RenderedLayer>,
 }
 
@@ -130,10 +171,12 @@ impl RenderedLayers {
         let mut channels: Vec<_> = ["R", "G", "B"].iter().zip(0..).map(|(name, i)| color(name, i)).collect();
         channels.extend(self.layers.iter().flat_map(RenderedLayer::planes));
         let about = |layer: &RenderedLayer| (format!("gnomon.{}", layer.layer.name()), layer.layer.summary());
-        (channels, self.layers.iter().map(about).collect())
+        let mut attributes: Vec<_> = self.layers.iter().map(about).collect();
+        attributes.dedup();
+        (channels, attributes)
     }
 
-    /// The layer, if it was drawn.
+    /// The layer, if it was drawn; the first of those of [`Layer::Lights`].
     pub fn get(&self, layer: Layer) -> Option<&RenderedLayer> {
         self.layers.iter().find(|rendered| rendered.layer == layer)
     }
@@ -176,11 +219,14 @@ impl RenderedLayer {
         })
     }
 
-    /// Without any pixel yet.
-    pub(crate) fn empty(layer: Layer) -> Self {
+    /// Without any pixel yet; `name` is that of one of several.
+    pub(crate) fn empty(layer: Layer, name: Option<&str>) -> Self {
         Self {
             layer,
-            channels: layer.channels().iter().map(|&name| name.to_owned()).collect(),
+            channels: match name {
+                Some(name) => ["R", "G", "B"].iter().map(|channel| format!("{name}.{channel}")).collect(),
+                None => layer.channels().iter().map(|&name| name.to_owned()).collect(),
+            },
             values: match layer.is_label() {
                 true => LayerValues::Labels(Vec::new()),
                 false => LayerValues::Floats(Vec::new()),

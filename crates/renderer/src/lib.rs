@@ -56,6 +56,8 @@ pub use lighting::PreparedLighting;
 pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Change, Frame, LightingChange, Renderer, SceneChange, TimedFrame};
-pub use settings::{DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings};
+pub use settings::{
+    Background, DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+};
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

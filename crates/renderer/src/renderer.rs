@@ -39,6 +39,9 @@ pub use timing::TimedFrame;
 pub struct Frame {
     /// Linear radiance, box-filtered.
     pub radiance: RgbImage,
+    /// How much each pixel hides of what is behind the scene, row by row from the top: 1 where it shows the scene alone, less at its edges, and
+    /// where it shows a catcher the share of light that shadows take. `radiance` is premultiplied by it where nothing is behind the scene.
+    pub alpha: Vec<f32>,
     /// Exposed, tone-mapped and sRGB-encoded: RGBA, 8 bits, top row first.
     pub display: Vec<[u8; 4]>,
     /// Time of every pass, where [`crate::MeasureSettings::profile`] is on.
@@ -64,6 +67,10 @@ pub struct Renderer {
     debug: Option<debug::Debug>,
     /// Made for the first layers.
     seen: Option<SeenPass>,
+    /// Of each light by its place, which layer it is part of.
+    light_groups: Vec<u32>,
+    /// Whether light is summed in floats.
+    has_wide_sums: bool,
     /// The frame before, for motion.
     before: Option<layers::Before>,
     in_flight: FramesInFlight,
@@ -142,6 +149,8 @@ impl Renderer {
             slice_count: 1,
             debug: None,
             seen: None,
+            light_groups: Vec::new(),
+            has_wide_sums: false,
             before: None,
             in_flight: FramesInFlight::default(),
             view,

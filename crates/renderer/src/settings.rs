@@ -1,5 +1,5 @@
 use gnomon_brdf::Surface;
-use gnomon_options::{Group, Options, choice, number, power_of_two, settings, whole, yes_no};
+use gnomon_options::{Group, Options, choice, choices, number, power_of_two, settings, whole};
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_shaders::layout::CachedLobe;
 
@@ -30,6 +30,18 @@ static TECHNIQUES: Group = Group { table: "", heading: "Shadows", condition: Non
 const COMPOSITING: &str = "Compositing";
 const SAMPLING: &str = "Sampling";
 
+choices! {
+    /// What is seen behind the scene.
+    pub enum Background {
+        /// The environment.
+        Environment = "environment",
+        /// Nothing: black.
+        None = "none",
+        /// Nothing: pictures have an alpha channel, straight in PNG and premultiplied in EXR files.
+        Transparent = "transparent",
+    }
+}
+
 settings! {
     /// How radiance becomes a displayed picture.
     pub struct DisplaySettings in DISPLAY {
@@ -38,8 +50,8 @@ settings! {
             number(-100.0, 100.0).unit("EV").automatic("what brings the environment's mean to 0.5", 0.0);
         /// How radiance is brought into the range of a display.
         tone_mapping: ToneMapping = ToneMapping::default(), choice(ToneMapping::choices);
-        /// Whether the environment is seen behind the scene.
-        background: bool = true, yes_no();
+        /// What is seen behind the scene.
+        background: Background = Background::default(), choice(Background::choices);
     }
 }
 

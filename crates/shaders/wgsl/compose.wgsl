@@ -41,8 +41,9 @@ struct Shaded {
     emission: vec3f,
     diffuse: vec3f,
     specular: vec3f,
-    // Of the light on the matte part, the share that shadows leave.
+    // Of the light on the matte part, the share that shadows leave, without the scene's own lights and with what they add.
     shadow: vec3f,
+    lit: vec3f,
 }
 
 fn shade(surface: Surface, sums: LightSums) -> Shaded {
@@ -67,7 +68,9 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
     var shaded: Shaded;
     shaded.emission = surface.emission;
     shaded.diffuse = surface.diffuse_color / PI * diffuse;
-    shaded.shadow = select(vec3f(1.0), environment_diffuse / max(full_diffuse, vec3f(1e-20)), full_diffuse > vec3f(1e-20));
+    let is_lit = full_diffuse > vec3f(1e-20);
+    shaded.shadow = select(vec3f(1.0), environment_diffuse / max(full_diffuse, vec3f(1e-20)), is_lit);
+    shaded.lit = shaded.shadow + select(vec3f(0.0), sums.diffuse_near / max(full_diffuse, vec3f(1e-20)), is_lit);
     if has_lobe(surface.lobe) {
         let roughness = reflectance_equivalent_roughness(surface.lobe);
         let specular_albedo = reflectance_albedo(surface.lobe, n_dot_v, environment_brdf(n_dot_v, roughness));
@@ -101,9 +104,32 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
     return shaded;
 }
 
+// Whether a sample shows a catcher.
+fn catches_at(sample: vec2u) -> bool {
+    return materials[packed_surface_at(sample).material].catches != 0u;
+}
+
+// What is composed of a catcher in front of `behind`, and how much it hides of that.
+fn part_of_catcher(behind: vec3f, shaded: Shaded) -> vec4f {
+    let hidden = saturate(1.0 - luminance(shaded.lit));
+    switch composition.part {
+        case PART_PICTURE, PART_BACKGROUND: {
+            return vec4f(behind * shaded.lit, hidden);
+        }
+        case PART_SHADOW: {
+            return vec4f(shaded.shadow, hidden);
+        }
+        case PART_ALPHA: {
+            return vec4f(hidden);
+        }
+        default: {
+            return vec4f(0.0);
+        }
+    }
+}
+
 // What is composed of a surface whose matte part has the albedo `surface.diffuse_color`.
-fn part_of(surface: Surface, sums: LightSums) -> vec3f {
-    let shaded = shade(surface, sums);
+fn part_of(surface: Surface, shaded: Shaded) -> vec3f {
     switch composition.part {
         case PART_ALBEDO: {
             return surface.diffuse_color;
@@ -148,7 +174,10 @@ fn part_of_background(sample: vec2u) -> vec3f {
 }
 
 // The colour of a sample that counts: what is averaged over the samples of a smooth pixel.
-fn color_at(sample: vec2u) -> vec3f {
+fn color_at(sample: vec2u, catches: bool) -> vec3f {
+    if catches {
+        return background_at(sample);
+    }
     if composition.part == PART_ALBEDO {
         return base_color_at(sample);
     }
@@ -180,13 +209,14 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     let side = view.supersample;
     let depth = depth_at(sample);
     let spread = select(1u, 4u, is_smooth && side > 1u);
+    let catches = depth > 0.0 && catches_at(sample);
     var mean = vec3f(0.0);
     for (var i = 0u; i < spread; i++) {
         let place = select(sample, spread_sample(corner, side, i), spread > 1u);
         if depth == 0.0 {
             mean += part_of_background(place) / f32(spread);
         } else {
-            mean += color_at(place) / f32(spread);
+            mean += color_at(place, catches) / f32(spread);
         }
     }
     if depth == 0.0 {
@@ -203,7 +233,11 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
         let place = select(sample, corner + step * vec2u(i % steps, i / steps) + step / 2u, is_smooth);
         add_weighted(&sums, 1.0 / f32(steps * steps), sums_of(place, surface, is_smooth, own));
     }
-    return vec4f(part_of(surface, sums), 1.0);
+    let shaded = shade(surface, sums);
+    if catches {
+        return part_of_catcher(mean, shaded);
+    }
+    return vec4f(part_of(surface, shaded), 1.0);
 }
 
 var<workgroup> of_samples: array<vec4f, LIGHT_WORKGROUP>;

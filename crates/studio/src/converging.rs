@@ -118,7 +118,7 @@ impl Converging {
             scene: Arc::clone(stage.scene()),
             surroundings: stage.surroundings().clone(),
             rotation: stage.look().environment.rotation,
-            background: stage.look().display.background,
+            background: stage.look().shows_environment(),
             camera: stage.camera()?,
             size,
         };

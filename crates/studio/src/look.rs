@@ -10,7 +10,7 @@ use gnomon_options::{
     size, text,
 };
 use gnomon_renderer::{
-    DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+    Background, DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
 };
 use gnomon_scene::{Camera, Ground, ReflectanceSettings};
 use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
@@ -182,6 +182,11 @@ impl Look {
         (&self.map, self.environment.turned_as(&other.environment)) == (&other.map, other.environment.clone())
     }
 
+    /// Whether the environment is seen behind the scene.
+    pub fn shows_environment(&self) -> bool {
+        self.display.background == Background::Environment
+    }
+
     /// Whether there is something around the scene.
     pub fn has_environment(&self) -> bool {
         self.map.is_some() || self.environment.rig.is_some()
@@ -277,7 +282,7 @@ mod tests {
             ..EnvironmentLook::default()
         };
         let mut brought = Look { map: sky, environment: file.clone(), ..Look::default() };
-        (brought.display.exposure, brought.display.background) = (Some(2.0), false);
+        (brought.display.exposure, brought.display.background) = (Some(2.0), Background::None);
         let mut kept = brought.clone();
         kept.keep_changes(&asked, &now);
         assert_eq!(kept.environment, EnvironmentLook { rotation: 30.0, ..file });

@@ -5,7 +5,7 @@ use clap::Args;
 use gnomon::picture::tonemap::ToneMapping;
 use gnomon::renderer::debug_view::DEBUG_VIEWS;
 use gnomon::renderer::layers::RenderedLayers;
-use gnomon::renderer::{Gpu, GpuOptions, PassTiming};
+use gnomon::renderer::{Background, Gpu, GpuOptions, PassTiming};
 use gnomon::studio::Studio;
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
@@ -15,7 +15,7 @@ use super::level_of_detail::{self, LevelOfDetailArgs};
 use super::sequence;
 use crate::error::CliError;
 use crate::options::{GpuArgs, InputArgs, LayerArgs, SequenceArgs, stage};
-use crate::output;
+use crate::output::{self, Drawn};
 
 /// Draw a scene under an environment on the GPU, soft shadows included
 ///
@@ -91,7 +91,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     args.check.validate()?;
     let is_sequence = args.sequence.is_given();
     output::check_pictures(&args.output, is_sequence)?;
-    let layers = args.layers.layers(&args.output, is_sequence)?;
+    let layers = args.layers.request(&args.output, is_sequence)?;
     for (path, extension) in [(&args.stats, "json"), (&args.save_scene, "toml")] {
         path.as_ref().map_or(Ok(()), |path| output::check(path, &[extension]))?;
     }
@@ -109,7 +109,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     };
     if is_sequence {
         let files = (args.output.as_path(), args.save_scene.as_deref());
-        let made = (&args.check, layers);
+        let made = (&args.check, &layers);
         return sequence::render(&args.sequence, made, files, &gpu_options, stage, terminal);
     }
     let spinner = terminal.spinner("rendering");
@@ -130,8 +130,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         (frame, checked) = (Some(within), Some(error));
     }
     let (frame, layers) = match frame {
-        Some(frame) if layers.is_empty() => (frame, RenderedLayers::default()),
-        _ => studio.frame_layers(width, height, layers)?,
+        Some(frame) if layers.layers.is_empty() => (frame, RenderedLayers::default()),
+        _ => studio.frame_layers(width, height, &layers)?,
     };
     let times = args.stats.as_ref().map(|_| Times::measure(&mut studio)).transpose()?;
     let is_told = args.debug.is_none() && (args.stats.is_some() || !terminal.is_quiet());
@@ -146,10 +146,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         Some(_) => (0.0, ToneMapping::Linear),
         None => (stage.exposure(), stage.look().display.tone_mapping),
     };
-    match layers.layers.is_empty() {
-        true => output::write_radiance(&args.output, &frame.radiance, shown)?,
-        false => output::write_layers(&args.output, &frame.radiance, &layers)?,
-    }
+    let alpha = (stage.look().display.background == Background::Transparent).then_some(frame.alpha);
+    Drawn { radiance: frame.radiance, alpha, layers }.write(&args.output, shown)?;
     if let Some(path) = &args.save_scene {
         stage.save_scene(path)?;
     }

@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use gnomon::metrics::SampledError;
-use gnomon::picture::RgbImage;
 use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::reference::{self, ReferenceOptions};
-use gnomon::renderer::layers::{Layer, RenderedLayers};
-use gnomon::renderer::{Gpu, GpuOptions};
+use gnomon::renderer::layers::{Layer, LayerRequest};
+use gnomon::renderer::{Background, Gpu, GpuOptions};
 use gnomon::studio::{Film, FrameFiles, Sequence, SequenceRun, Stage, Studio};
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
@@ -15,7 +14,7 @@ use serde_json::{Value, json};
 use super::check::CheckArgs;
 use crate::error::CliError;
 use crate::options::SequenceArgs;
-use crate::output;
+use crate::output::{self, Drawn};
 
 /// Draws a sequence on the GPU, and saves its scene where that is asked for, as soon as all is known to be fit for it.
 ///
@@ -23,14 +22,15 @@ use crate::output;
 /// No adapter, pictures of other settings under the same names, unwritable files, no ffmpeg for a film.
 pub fn render(
     args: &SequenceArgs,
-    (check, layers): (&CheckArgs, &[Layer]),
+    (check, request): (&CheckArgs, &LayerRequest),
     (output, save_scene): (&Path, Option<&Path>),
     options: &GpuOptions,
     stage: Stage,
     terminal: Terminal,
 ) -> Result<(), CliError> {
     let gpu = Gpu::new(options)?;
-    let how = json!({ "gpu": gpu.adapter().name, "layers": layers });
+    let (layers, light_layers) = (&request.layers, request.light_layers);
+    let how = json!({ "gpu": gpu.adapter().name, "layers": layers, "light_layers": light_layers });
     let job = Job::new(args, output, &stage, how)?;
     let [width, height] = stage.look().picture.size;
     let mut studio = Studio::new(&gpu, stage)?;
@@ -43,9 +43,11 @@ pub fn render(
             studio.remember_for_motion()?;
         }
         studio.set_look(sequence.look(frame))?;
-        let (frame, layers) = studio.frame_layers(width, height, layers)?;
+        let (frame, layers) = studio.frame_layers(width, height, request)?;
         let error = check.frame(studio.stage(), &frame.radiance)?;
-        Ok(Drawn { radiance: frame.radiance, layers, error })
+        let is_transparent = studio.look().display.background == Background::Transparent;
+        let alpha = is_transparent.then_some(frame.alpha);
+        Ok((Drawn { radiance: frame.radiance, alpha, layers }, error))
     })
 }
 
@@ -65,8 +67,12 @@ pub fn reference(
     job.run(terminal, |sequence, frame| {
         stage.set_look(sequence.look(frame))?;
         let (scene, camera) = stage.for_reference()?;
-        let radiance = reference::render(&scene, &camera, stage.surroundings().sky(), options)?.mean;
-        Ok(Drawn { radiance, layers: RenderedLayers::default(), error: None })
+        let sky = stage.surroundings().sky();
+        if stage.look().display.background == Background::Transparent {
+            let (estimate, alpha) = reference::render_with_alpha(&scene, &camera, sky, options)?;
+            return Ok((Drawn { alpha: Some(alpha), ..Drawn::new(estimate.mean) }, None));
+        }
+        Ok((Drawn::new(reference::render(&scene, &camera, sky, options)?.mean), None))
     })
 }
 
@@ -78,13 +84,6 @@ struct Job {
     frames: Vec<u32>,
     kept: usize,
     display: (f32, ToneMapping),
-}
-
-/// What becomes of a frame.
-struct Drawn {
-    radiance: RgbImage,
-    layers: RenderedLayers,
-    error: Option<SampledError>,
 }
 
 enum Sink {
@@ -112,7 +111,7 @@ impl Job {
     fn run(
         mut self,
         terminal: Terminal,
-        mut draw: impl FnMut(&Sequence, u32) -> Result<Drawn, CliError>,
+        mut draw: impl FnMut(&Sequence, u32) -> Result<(Drawn, Option<SampledError>), CliError>,
     ) -> Result<(), CliError> {
         if self.kept > 0 {
             terminal.note(&format!("{} frames are there already, {} to draw", self.kept, self.frames.len()));
@@ -121,19 +120,18 @@ impl Job {
         for (done, &frame) in self.frames.iter().enumerate() {
             bar.set(done as f32 / self.frames.len() as f32);
             bar.tell(&format!("frame {frame}"));
-            let Drawn { radiance, layers, error } = draw(&self.sequence, frame)?;
+            let (drawn, error) = draw(&self.sequence, frame)?;
             if let Some(error) = error {
                 bar.suspend(|| terminal.note(&format!("check of frame {frame}: {error}")));
             }
             match &mut self.sink {
                 Sink::Pictures(run) => {
-                    match layers.layers.is_empty() {
-                        true => output::write_radiance(&run.path(frame), &radiance, self.display)?,
-                        false => output::write_layers(&run.path(frame), &radiance, &layers)?,
-                    }
+                    drawn.write(&run.path(frame), self.display)?;
                     run.finish(frame)?;
                 }
-                Sink::Film(film) => film.add(&tone_mapped(&radiance, self.display.1, self.display.0))?,
+                Sink::Film(film) => {
+                    film.add(&tone_mapped(&drawn.radiance, self.display.1, self.display.0))?
+                }
             }
         }
         drop(bar);

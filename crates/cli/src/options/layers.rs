@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use clap::Args;
-use gnomon::renderer::layers::Layer;
+use gnomon::renderer::layers::{Layer, LayerRequest};
 
 use crate::error::CliError;
 use crate::output;
@@ -12,6 +12,11 @@ pub struct LayerArgs {
     /// Write layers into the picture's OpenEXR file, several with commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = layer, long_help = help(), conflicts_with = "debug")]
     layers: Vec<Layer>,
+
+    /// Most layers that --layers lights makes of lights: the scene's own and those that give most have one each, the others share the last
+    /// [default: 8]
+    #[arg(long, value_name = "N", requires = "layers", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    light_layers: Option<u32>,
 }
 
 fn help() -> String {
@@ -29,7 +34,7 @@ impl LayerArgs {
     ///
     /// # Errors
     /// [`CliError::Usage`] for a file that holds none, and for motion where there is one picture only.
-    pub fn layers(&self, path: &Path, is_sequence: bool) -> Result<&[Layer], CliError> {
+    pub fn request(&self, path: &Path, is_sequence: bool) -> Result<LayerRequest, CliError> {
         if !self.layers.is_empty() && !output::is_linear(path) {
             return Err(CliError::usage(
                 "--layers needs a picture that can hold them: a name ending in .exr",
@@ -40,6 +45,7 @@ impl LayerArgs {
                 "layer motion is the way since the frame before: say which frames with --frames or --duration",
             ));
         }
-        Ok(&self.layers)
+        let light_layers = self.light_layers.map_or(LayerRequest::LIGHT_LAYERS, |count| count as usize);
+        Ok(LayerRequest { layers: self.layers.clone(), light_layers })
     }
 }

@@ -215,6 +215,7 @@ fn record(material: &Material) -> layout::Material {
         normal_scale: material.normal_scale,
         alpha_cutoff: material.alpha_mode.cutoff().unwrap_or(0.0),
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
+        catches: u32::from(material.catches),
         model: surface.model as u32,
         shape: surface.shape(),
         ..Default::default()

@@ -82,7 +82,8 @@ impl RayScene {
         geometry: &Geometry,
         before: Option<&Self>,
     ) -> Result<Self, RenderError> {
-        let placed: Vec<PlacedMesh<'_>> = geometry.placed_meshes().collect();
+        let casting = geometry.placed_meshes().enumerate().filter(|(_, place)| place.casts);
+        let (numbers, placed): (Vec<usize>, Vec<PlacedMesh<'_>>) = casting.unzip();
         let hierarchies = hierarchies(&placed, before);
         let of = |mesh: &Arc<Mesh>| &hierarchies[&address(mesh)].1;
         let top_count = (2 * placed.len()).max(1);
@@ -106,7 +107,7 @@ impl RayScene {
         let mut micromaps: HashMap<*const Micromaps, u32> = HashMap::new();
         let mut instances = Vec::with_capacity(placed.len());
         let mut by_height: Vec<Vec<u32>> = Vec::new();
-        for (number, place) in placed.iter().enumerate() {
+        for (&number, place) in numbers.iter().zip(&placed) {
             let hierarchy = of(place.mesh);
             if hierarchy.nodes.is_empty() {
                 continue;

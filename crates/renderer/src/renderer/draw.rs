@@ -8,15 +8,15 @@ use gnomon_scene::Camera;
 use gnomon_shaders::layout;
 
 use super::bands::{Band, BandInFlight, BandsInFlight};
+use super::layers::LayerTask;
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
 use crate::compose::RADIANCE_FORMAT;
 use crate::gpu::TextureReadBack;
-use crate::layers::Layer;
 use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
-use crate::settings::{Chosen, in_range};
+use crate::settings::{Background, Chosen, in_range};
 use crate::shading_points::{PointPlan, SumPlanes};
 use crate::view_slices::ViewSlices;
 
@@ -59,11 +59,11 @@ impl Renderer {
         camera: &Camera,
         size: [u32; 2],
         bands: &[Band],
-        layers: &[Layer],
+        layers: &[LayerTask],
     ) -> Result<BandsInFlight, RenderError> {
         let gpu = self.gpu.clone();
-        let mut in_flight =
-            BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new(), layers: layers.to_vec() };
+        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new(), layers: Vec::new() };
+        in_flight.layers.extend(layers.iter().map(LayerTask::empty));
         for band in bands {
             let scopes = gpu.catch_errors();
             self.judge_clocks(camera, size, band)?;
@@ -297,10 +297,11 @@ impl Renderer {
             world_from_clip: matrices.world_from_clip,
             eye_world: matrices.eye_world,
             size: [width, height].into(),
-            flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
+            flags: flag(settings.display.background == Background::Environment, layout::FLAG_BACKGROUND)
                 | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
+                | flag(plan.planes.wide, layout::FLAG_WIDE_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
                 | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
@@ -325,6 +326,7 @@ impl Renderer {
         SumPlanes {
             specular: self.surfaces.iter().any(|surface| !surface.is_matte()),
             near: !self.near_lights.is_empty(),
+            wide: self.has_wide_sums,
         }
     }
 
@@ -340,7 +342,7 @@ impl Renderer {
         if let Some(lit) = &mut self.state.lit {
             let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
             let lights = (&lit.lighting, self.near_lights.as_slice());
-            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), only);
+            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), (only, &self.light_groups));
         }
         Ok(())
     }

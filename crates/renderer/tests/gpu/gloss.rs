@@ -19,7 +19,7 @@ fn metal(roughness: f32) -> Material {
 fn settings(gloss: GlossPath) -> RenderSettings {
     RenderSettings::default().with(|s| {
         s.techniques.gloss = gloss;
-        s.display.background = false;
+        s.display.background = gnomon_renderer::Background::None;
     })
 }
 

@@ -3,7 +3,7 @@
 use gnomon_renderer::Frame;
 #[cfg(not(target_arch = "wasm32"))]
 use gnomon_renderer::PassTiming;
-use gnomon_renderer::layers::{Layer, RenderedLayers};
+use gnomon_renderer::layers::{LayerRequest, RenderedLayers};
 use gnomon_renderer::lod::LevelOfDetail;
 
 use super::{Studio, Update};
@@ -37,12 +37,12 @@ impl Studio {
     ///
     /// # Errors
     /// As there, and as [`Studio::camera`].
-    pub fn frame_layers_async(
+    pub fn frame_layers_async<R: Into<LayerRequest>>(
         &mut self,
         width: u32,
         height: u32,
-        layers: &[Layer],
-    ) -> impl Future<Output = Result<(Frame, RenderedLayers), StudioError>> + Send + use<> {
+        layers: R,
+    ) -> impl Future<Output = Result<(Frame, RenderedLayers), StudioError>> + Send + use<R> {
         let camera = self.camera();
         let frame = camera.map(|camera| self.renderer.render_layers_async(&camera, width, height, layers));
         async move { Ok(frame?.await?) }
@@ -57,7 +57,7 @@ impl Studio {
         &mut self,
         width: u32,
         height: u32,
-        layers: &[Layer],
+        layers: impl Into<LayerRequest>,
     ) -> Result<(Frame, RenderedLayers), StudioError> {
         Ok(self.renderer.render_layers(&self.stage.camera()?, width, height, layers)?)
     }
