@@ -11,7 +11,7 @@ use crate::error::refused;
 
 /// Values of pictures, one after another, as one array.
 struct Stack {
-    name: &'static str,
+    name: String,
     channels: usize,
     values: LayerValues,
 }
@@ -24,14 +24,20 @@ impl Pictures {
     /// Takes a picture over.
     pub fn add(&mut self, radiance: &RgbImage, layers: RenderedLayers) {
         let texels = radiance.texels().iter().flat_map(|texel| texel.to_array()).collect();
-        self.extend(0, "radiance", 3, LayerValues::Floats(texels));
-        for (place, layer) in (1..).zip(layers.layers) {
-            self.extend(place, layer.layer.name(), layer.channels.len(), layer.values);
+        self.extend("radiance".to_owned(), 3, LayerValues::Floats(texels));
+        for layer in layers.layers {
+            let name = match (layer.layer, layer.channels.first()) {
+                // There are several, which their channels tell apart.
+                (Layer::Lights, Some(channel)) => channel.trim_end_matches(".R").to_owned(),
+                (layer, _) => layer.name().to_owned(),
+            };
+            self.extend(name, layer.channels.len(), layer.values);
         }
     }
 
-    fn extend(&mut self, place: usize, name: &'static str, channels: usize, values: LayerValues) {
-        match (self.0.get_mut(place).map(|stack| &mut stack.values), values) {
+    fn extend(&mut self, name: String, channels: usize, values: LayerValues) {
+        let known = self.0.iter_mut().find(|stack| stack.name == name);
+        match (known.map(|stack| &mut stack.values), values) {
             (Some(LayerValues::Floats(all)), LayerValues::Floats(more)) => all.extend(more),
             (Some(LayerValues::Labels(all)), LayerValues::Labels(more)) => all.extend(more),
             (_, values) => self.0.push(Stack { name, channels, values }),
@@ -49,6 +55,13 @@ impl Pictures {
         for Stack { name, channels, values } in &self.0 {
             let mut shape = shape.to_vec();
             shape.extend((*channels > 1).then_some(*channels));
+            let length = match values {
+                LayerValues::Floats(values) => values.len(),
+                LayerValues::Labels(values) => values.len(),
+            };
+            if length != shape.iter().product::<usize>() {
+                return Err(refused(format!("not all pictures have a layer '{name}': draw them one by one")));
+            }
             let array = match values {
                 LayerValues::Floats(values) => arrays::floats(py, values, &shape)?,
                 LayerValues::Labels(values) => {
@@ -58,7 +71,7 @@ impl Pictures {
             if !has_layers {
                 return Ok(array);
             }
-            named.set_item(*name, array)?;
+            named.set_item(name, array)?;
         }
         Ok(named.into_any())
     }

@@ -258,7 +258,7 @@ impl Dataset {
             }
             None => self.studio.insert(Studio::new(&self.gpu, stage)?),
         };
-        let (frame, layers) = studio.frame_layers(width, height, &self.manifest.head.layers)?;
+        let (frame, layers) = studio.frame_layers(width, height, self.manifest.head.layers.as_slice())?;
         let radiance = frame.radiance;
         let stage = studio.stage().clone();
         let check = match self.manifest.head.check {
