@@ -20,6 +20,9 @@
 
 mod check;
 mod converging;
+#[cfg(not(target_arch = "wasm32"))]
+mod dataset;
+mod edit;
 mod environment;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
@@ -38,6 +41,9 @@ mod studio;
 
 pub use check::CHECKED_PIXELS;
 pub use converging::ReferencePicture;
+#[cfg(not(target_arch = "wasm32"))]
+pub use dataset::{Dataset, DatasetFiles, DrawnItem, ItemFiles, Manifest, Record, Unit};
+pub use edit::changed_surface;
 pub use environment::{FitScene, Surroundings, environment_named, fit_lights, load_surroundings};
 pub use error::StudioError;
 #[cfg(not(target_arch = "wasm32"))]

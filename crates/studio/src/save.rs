@@ -136,6 +136,11 @@ impl Stage {
                 )));
             }
             SceneSource::File(path) => drop(model.insert("file".to_owned(), relative(path, folder)?.into())),
+            SceneSource::Made(name) => {
+                return Err(StudioError::Request(format!(
+                    "{name} cannot be saved: a program made it, and no scene file can name it"
+                )));
+            }
             SceneSource::Builtin(name) => {
                 model.insert("builtin".to_owned(), name.clone().into());
                 model.insert("ground".to_owned(), true.into());

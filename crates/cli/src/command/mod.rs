@@ -2,6 +2,7 @@
 
 mod check;
 pub mod compare;
+pub mod dataset;
 pub mod decompose;
 pub mod demo;
 pub mod info;

@@ -15,7 +15,7 @@ use crate::{Look, Stage, StudioError};
 pub use files::{FrameFiles, SequenceRun};
 pub use film::Film;
 
-use digest::Digest;
+pub(crate) use digest::Digest;
 
 /// How a scene changes over time. Everything goes by rates, so that a frame depends on its number alone and not on which frames are
 /// drawn with it.

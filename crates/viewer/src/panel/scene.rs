@@ -13,7 +13,7 @@ use crate::viewer::Viewer;
 pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
     let Some(studio) = viewer.studio() else { return };
     let name = match studio.stage().source() {
-        SceneSource::Builtin(name) => name.clone(),
+        SceneSource::Builtin(name) | SceneSource::Made(name) => name.clone(),
         SceneSource::File(path) => file_name(path),
         SceneSource::Files(files) => file_name(files.path()),
     };
