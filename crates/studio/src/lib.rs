@@ -29,6 +29,7 @@ mod files;
 mod frame_rate;
 mod job;
 mod look;
+mod pace;
 mod pose;
 mod project;
 mod save;
@@ -37,7 +38,7 @@ mod stage;
 mod studio;
 
 pub use check::CHECKED_PIXELS;
-pub use converging::ReferencePicture;
+pub use converging::{Converging, ReferencePicture};
 pub use environment::{FitScene, Surroundings, environment_named, fit_lights, load_surroundings};
 pub use error::StudioError;
 #[cfg(not(target_arch = "wasm32"))]
@@ -45,12 +46,14 @@ pub use error_bound::ErrorBound;
 #[cfg(not(target_arch = "wasm32"))]
 pub use executor::Threads;
 pub use executor::{Executor, Slices, Task, default_executor};
-pub use files::SceneFiles;
+pub use files::{FileKind, SceneFiles, kind_of};
 pub use frame_rate::{DrawnFrame, FrameRate};
 pub use gnomon_metrics::SampledError;
 pub use look::{
     AnimationLook, CameraLook, ENVIRONMENT, EnvironmentLook, Look, PictureSettings, SCENE, SceneLook,
 };
+pub use pace::Pace;
+pub use pose::Clip;
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
 pub use stage::Stage;
