@@ -43,7 +43,16 @@ async function fileSet(files: SceneFile[]): Promise<FileSet> {
   return set;
 }
 
-/** Runs a call that waits for the GPU; no frame is drawn meanwhile. */
+/** What is done one after another: a session takes one call at a time. */
+let calls: Promise<unknown> = Promise.resolve();
+
+function inTurn<T>(call: () => Promise<T>): Promise<T> {
+  const answer = calls.then(call);
+  calls = answer.catch(() => {});
+  return answer;
+}
+
+/** Runs a call that waits for the GPU, when it is its turn; no frame is drawn meanwhile. */
 async function alone<T>(call: () => Promise<T>): Promise<T> {
   taken = true;
   try {
@@ -78,8 +87,8 @@ function step(now: number): void {
 }
 
 function tellStatus(now: number): void {
+  if (!session || taken) return;
   told = now;
-  if (!session) return;
   const status: Status = { ...JSON.parse(session.status()), memory: memory.buffer.byteLength };
   status.notices.push(...notices.splice(0));
   tell({ type: "status", status });
@@ -87,12 +96,17 @@ function tellStatus(now: number): void {
   if (!status.busy && !status.moving) void followReference();
 }
 
+let reopening = false;
+
 async function reopen(): Promise<void> {
+  if (reopening) return;
+  reopening = true;
   try {
-    await alone(() => opened().reopen());
+    await inTurn(() => alone(() => opened().reopen()));
   } catch (error) {
     notices.push({ is_error: true, text: messageOf(error) });
   }
+  reopening = false;
 }
 
 // --- reference ------------------------------------------------------------------------------------------------------
@@ -135,7 +149,7 @@ async function followReference(): Promise<void> {
   const [width, height] = size;
   const scale = Math.min(1, Math.sqrt(REFERENCE_PIXELS / (width * height)));
   const [w, h] = [width, height].map((side) => Math.max(1, Math.round(side * scale)));
-  const radiance: Float32Array = await alone(() => opened().radiance(w, h));
+  const radiance: Float32Array = await inTurn(() => alone(() => opened().radiance(w, h)));
   post({ type: "compare", look, width: w, height: h, radiance, difference: shown === "difference" });
 }
 
@@ -195,11 +209,8 @@ const methods: { [M in keyof Methods]: (...args: Parameters<Methods[M]>) => Retu
 /** Calls that come with every movement: frames tell what becomes of them. */
 const FREQUENT: readonly (keyof Methods)[] = ["turn", "pan", "dolly", "turnEnvironment", "resize"];
 
-/** Calls are answered one after another. */
-let calls: Promise<void> = Promise.resolve();
-
 scope.onmessage = ({ data }: MessageEvent<Call>) => {
-  calls = calls.then(async () => {
+  void inTurn(async () => {
     try {
       const method = methods[data.method] as (...args: unknown[]) => unknown;
       const value = await method(...data.args);

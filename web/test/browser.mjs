@@ -55,7 +55,7 @@ export function difference(a, b) {
 }
 
 /** Waits until the viewer has nothing to do, and gives its status. */
-export async function atRest(page, selector = "gnomon-viewer", timeout = 120_000) {
+export async function atRest(page, selector = "gnomon-viewer", timeout = 300_000) {
   return page.evaluate(([selector, timeout]) => new Promise((resolve, reject) => {
     const viewer = document.querySelector(selector);
     let quiet = 0;

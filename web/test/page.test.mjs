@@ -1,4 +1,4 @@
-// The page in a real browser: node --test test/
+// The page in a real browser: npm test
 
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
@@ -18,13 +18,15 @@ const GNOMON = process.env.GNOMON ?? at("../../target/debug/gnomon");
 const PICTURES = at("../dist/screenshots");
 /** What a software adapter draws in a fraction of a second. */
 const LEVEL = [["light-count", "8"], ["supersample", "1"], ["shadow-resolution", "128"], ["shadow-sampling", "8"], ["ambient-cells", "8"]];
+/** Longest wait: software adapters are slow, above all where machines are shared [ms]. */
+const PATIENCE = 300_000;
 /** Cells of a blank picture vary by less, those of any scene by more [of 255]. */
 const BLANK = 2;
 const CHANGED = 0.5;
 
 const skip = place ? false : "no Chromium is installed (set GNOMON_CHROMIUM)";
 if (skip) console.log(`skipped: ${skip}`);
-const options = { skip, timeout: 240_000 };
+const options = { skip, timeout: 900_000 };
 
 let browser, server, address, page, context;
 const errors = [];
@@ -35,7 +37,7 @@ before(async () => {
   await mkdir(PICTURES, { recursive: true });
   ({ server, address } = await serve(at("../dist")));
   browser = await launch();
-  context = await browser.newContext({ viewport: { width: 960, height: 412 }, acceptDownloads: true });
+  context = await browser.newContext({ viewport: { width: 420, height: 380 }, acceptDownloads: true });
   page = await context.newPage();
   page.on("pageerror", (error) => errors.push(error.message));
   page.on("console", (message) => message.type() === "error" && console.log(`console: ${message.text()}`));
@@ -63,7 +65,7 @@ test("the WebAssembly is small", options, async () => {
 test("a picture comes soon", options, async () => {
   const began = Date.now();
   await page.goto(link());
-  await page.waitForFunction(() => document.querySelector("gnomon-viewer").loaded, undefined, { timeout: 120_000 });
+  await page.waitForFunction(() => document.querySelector("gnomon-viewer").loaded, undefined, { timeout: PATIENCE });
   console.log(`first picture after ${Date.now() - began} ms`);
   const status = await atRest(page);
   console.log(`at rest: ${status.drawn}, ${status.lights} lights, ${status.frameMs.toFixed(0)} ms a frame, ${status.adapter}`);
@@ -122,12 +124,15 @@ test("what is dropped is seen, and saved as it is rendered elsewhere", options, 
   const start = await seen(page, "gnomon-viewer");
   const files = [["boxes.obj", box([0, 0, 0], [1, 1, 1]) ], ["window.hdr", window_map()]];
   await drop(page, files);
-  await page.waitForFunction(() => document.querySelector("gnomon-viewer").status.environment === "window.hdr", undefined, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelector("gnomon-viewer").status.environment === "window.hdr", undefined, { timeout: PATIENCE });
   await page.keyboard.press("Escape");
   const status = await atRest(page);
   assert.equal(status.scene, "boxes.obj");
   assert.deepEqual(await notices(), []);
   assert.ok(difference(start, await seen(page, "gnomon-viewer")) > CHANGED);
+  // With one sample a pixel two rasterisers differ by whole pixels along silhouettes: 11 of 114240 made 0.015 of them.
+  await page.evaluate(() => document.querySelector("gnomon-viewer").set("supersample", "2"));
+  await atRest(page);
   const folder = await mkdtemp(join(tmpdir(), "gnomon-web-"));
   for (const [name, data] of files) await writeFile(join(folder, name), data);
   for (const [button, name] of [["#save-png", "page.png"], ["#save-scene", "scene.toml"]]) {
@@ -139,27 +144,28 @@ test("what is dropped is seen, and saved as it is rendered elsewhere", options, 
   const { stdout } = await run(GNOMON, ["compare", join(folder, "page.png"), join(folder, "command.png"), "--quiet"]);
   const { relative_rmse: error } = JSON.parse(stdout);
   console.log(`page against gnomon render: relative RMSE ${error.toFixed(5)}`);
+  await page.evaluate(() => document.querySelector("gnomon-viewer").set("supersample", "1"));
   assert.ok(error <= 0.01, stdout);
 });
 
 test("the picture is compared with the reference", options, async () => {
   await page.click("#reference");
-  await page.waitForFunction(() => /samples/.test(document.getElementById("error").textContent), undefined, { timeout: 120_000 });
+  await page.waitForFunction(() => /samples/.test(document.getElementById("error").textContent), undefined, { timeout: PATIENCE });
   const words = await page.locator("#error").textContent();
   console.log(words);
   const error = Number(/error ([\d.]+) %/.exec(words)[1]);
   assert.ok(error > 0 && error < 50, words);
   assert.ok(variation(await seen(page, "#truth")) > BLANK);
   await page.check("input[value=difference]");
-  await page.waitForFunction(() => /samples/.test(document.getElementById("error").textContent), undefined, { timeout: 120_000 });
+  await page.waitForFunction(() => /samples/.test(document.getElementById("error").textContent), undefined, { timeout: PATIENCE });
   await page.click("#reference");
 });
 
 test("a link brings the same picture back", options, async () => {
   await choose("#scene", "column");
-  await page.waitForFunction(() => document.querySelector("gnomon-viewer").status.scene === "column", undefined, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelector("gnomon-viewer").status.scene === "column", undefined, { timeout: PATIENCE });
   await choose("#environment", "studio");
-  await page.waitForFunction(() => document.querySelector("gnomon-viewer").status.environment === "studio", undefined, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelector("gnomon-viewer").status.environment === "studio", undefined, { timeout: PATIENCE });
   await page.locator("gnomon-viewer").evaluate((viewer) => viewer.shadowRoot.getElementById("picture").focus());
   await page.keyboard.press("ArrowLeft");
   await atRest(page);
@@ -168,7 +174,7 @@ test("a link brings the same picture back", options, async () => {
   await page.waitForFunction(() => /studio/.test(decodeURIComponent(location.hash)));
   const other = await context.newPage();
   await other.goto(page.url());
-  await other.waitForFunction(() => document.querySelector("gnomon-viewer").loaded, undefined, { timeout: 120_000 });
+  await other.waitForFunction(() => document.querySelector("gnomon-viewer").loaded, undefined, { timeout: PATIENCE });
   await atRest(other);
   const again = await seen(other, "gnomon-viewer");
   await other.close();
@@ -181,7 +187,7 @@ test("thirty damaged files are thirty sentences", options, async () => {
   for (const [name, data] of files) {
     await dismiss();
     await drop(page, [[name, data]]);
-    const told = await page.waitForFunction(() => document.querySelector("#notices p span")?.textContent, undefined, { timeout: 30_000 }).then((told) => told.jsonValue(), () => undefined);
+    const told = await page.waitForFunction(() => document.querySelector("#notices p span")?.textContent, undefined, { timeout: PATIENCE }).then((told) => told.jsonValue(), () => undefined);
     assert.ok(told, `${name}: nothing was said`);
     assert.doesNotMatch(told, /unreachable|undefined|\[object|panicked/, name);
     await atRest(page);
@@ -195,7 +201,7 @@ test("memory stays after twenty changes of model", options, async () => {
   for (let change = 0; change < 20; change++) {
     const name = `box-${change}`;
     await drop(page, [change % 2 ? [`${name}.obj`, box([0, 0, 0], [1, 1 + change, 1])] : [`${name}.gltf`, gltf()]]);
-    await page.waitForFunction((name) => document.querySelector("gnomon-viewer").status.scene.startsWith(name), name, { timeout: 60_000 });
+    await page.waitForFunction((name) => document.querySelector("gnomon-viewer").status.scene.startsWith(name), name, { timeout: PATIENCE });
     sizes.push((await atRest(page)).memory);
   }
   console.log(`memory after 2 and 20 models: ${sizes[1]} and ${sizes[19]} bytes`);
@@ -204,7 +210,7 @@ test("memory stays after twenty changes of model", options, async () => {
 
 test("a lost device comes back", options, async () => {
   await page.evaluate(async () => (await document.querySelector("gnomon-viewer").client()).call("loseDevice"));
-  await page.waitForFunction(() => /opened anew/.test(document.getElementById("notices").textContent), undefined, { timeout: 60_000 });
+  await page.waitForFunction(() => /opened anew/.test(document.getElementById("notices").textContent), undefined, { timeout: PATIENCE });
   await page.locator("gnomon-viewer").evaluate((viewer) => viewer.shadowRoot.getElementById("picture").focus());
   await page.keyboard.press("ArrowLeft");
   await atRest(page);
@@ -218,7 +224,7 @@ test("the page is accessible, at every size and by night", options, async () => 
   for (const [name, viewport] of Object.entries(looks)) {
     const other = await browser.newPage({ viewport, colorScheme: name === "dark" ? "dark" : "light" });
     await other.goto(link());
-    await other.waitForFunction(() => document.querySelector("gnomon-viewer").loaded, undefined, { timeout: 120_000 });
+    await other.waitForFunction(() => document.querySelector("gnomon-viewer").loaded, undefined, { timeout: PATIENCE });
     await atRest(other);
     await other.screenshot({ path: join(PICTURES, `${name}.png`) });
     await other.evaluate(() => document.querySelectorAll("details").forEach((details) => (details.open = true)));
@@ -234,7 +240,7 @@ test("the page is accessible, at every size and by night", options, async () => 
 test("two viewers share a page", options, async () => {
   const other = await browser.newPage({ viewport: { width: 800, height: 500 } });
   await other.goto(`${address}two-viewers.html`);
-  await other.waitForFunction(() => [...document.querySelectorAll("gnomon-viewer")].every((viewer) => viewer.loaded), undefined, { timeout: 120_000 });
+  await other.waitForFunction(() => [...document.querySelectorAll("gnomon-viewer")].every((viewer) => viewer.loaded), undefined, { timeout: PATIENCE });
   const pictures = [];
   for (const which of ["gnomon-viewer:first-child", "gnomon-viewer:last-child"]) {
     await atRest(other, which);

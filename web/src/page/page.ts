@@ -189,7 +189,7 @@ viewer.addEventListener("status", (event) => {
     `${width} × ${height}`,
     status.loading ? "loading…" : status.moving ? `${(1000 / Math.max(1, status.frameMs)).toFixed(0)} frames a second` : `${status.frameMs.toFixed(0)} ms`,
   ].join(" · ");
-  element("level").textContent = `${status.adapter || "unknown adapter"}: ${status.level}.`;
+  element("level").textContent = `${status.adapter ? `${status.adapter}: ` : ""}${status.level}.`;
   element("animation").hidden = status.clips === 0;
   element("play").textContent = status.playing ? "Pause" : "Play";
   element("time").textContent = status.duration === null ? "" : `${status.time.toFixed(2)} of ${status.duration.toFixed(2)} s`;
