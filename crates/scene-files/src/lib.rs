@@ -27,7 +27,7 @@ mod toml;
 pub use axes::{Axes, UNITS, UpAxis};
 pub use camera::read_camera;
 pub use error::SceneFileError;
-pub use resolver::{FileResolver, ReadError, Resolver};
+pub use resolver::{FileResolver, ReadError, Resolver, plain};
 pub use toml::read_sections;
 
 /// A scene format that [`load`] reads.

@@ -10,7 +10,7 @@ use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
 use crate::environment::{FitScene, Surroundings, surroundings_of};
 use crate::look::{AnimationLook, CameraLook};
-use crate::pose::{pose, reach};
+use crate::pose::{Clip, clips, pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
 
 /// A scene in the pose and with the materials that its look asks for, under an environment.
@@ -162,6 +162,11 @@ impl Stage {
     /// The scene as it is drawn.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// The clips that the scene can play.
+    pub fn clips(&self) -> Vec<Clip> {
+        clips(&self.scene, &self.look.animation)
     }
 
     /// Whether the scene at rest stands on a ground ([`Scene::stands_on_ground`]): fits then spend few lights on what is below it.

@@ -156,6 +156,14 @@ impl Studio {
         self.stage.look()
     }
 
+    /// The same with what the program has come to where exposure and number of lights are left to it.
+    pub fn look_in_force(&self) -> Look {
+        let mut look = self.look().clone();
+        look.display.exposure = Some(self.stage.exposure());
+        look.fit.light_count = Some(self.lights.lights.len().max(1));
+        look
+    }
+
     /// The scene as it is drawn.
     pub fn scene(&self) -> &Scene {
         self.stage.scene()

@@ -163,9 +163,13 @@ impl Studio {
     }
 
     fn set_level_of_detail(&mut self, level: LevelOfDetail) -> Result<(), StudioError> {
+        let asked_for = self.asked_for();
         self.edit(|look| {
-            // A threshold would decide the number of lights.
-            (look.fit.light_count, look.fit.threshold) = (Some(level.lights as usize), None);
+            // A number of lights that stays needs no other fit.
+            if level.lights != asked_for.lights {
+                // A threshold would decide it.
+                (look.fit.light_count, look.fit.threshold) = (Some(level.lights as usize), None);
+            }
             level.set(&mut look.techniques);
         })
     }
