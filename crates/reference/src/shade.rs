@@ -35,6 +35,7 @@ impl Tracer<'_> {
         let mut numbers =
             [Decision::Direction, Decision::Choice].map(|decision| sequence.pair(index, decision));
         let mut radiance = point.emissive + self.reflected(&point, wo, &self.shadowed, true, numbers);
+        radiance += self.scattered(&point, sequence, index);
         if let Some(unshadowed) = &self.unshadowed {
             numbers = [Decision::UnshadowedDirection, Decision::UnshadowedChoice]
                 .map(|decision| sequence.pair(index, decision));
@@ -74,6 +75,7 @@ impl Tracer<'_> {
         let arrives = |distance: f32| {
             !shadowed
                 || (wi.dot(point.geometric_normal) > 0.0
+                    && point.relief.is_none_or(|(relief, uv)| relief.hit(uv, wi).is_none())
                     && !self.scene.is_occluded(&Ray { origin: lifted, direction: wi }, distance))
         };
         let (radiance, light_pdf) = light.evaluate(wi, arrives);

@@ -34,6 +34,9 @@ super::constants! {
     /// [`View::flags`]: unshadowed specular light is that of samples of the lobe.
     pub const FLAG_SAMPLED_GLOSS: u32 = 128;
 
+    /// [`View::flags`]: bumps light each other.
+    pub const FLAG_BUMP_SCATTER: u32 = 256;
+
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
     /// [`Light::shape`] of a quadrilateral.
@@ -103,6 +106,8 @@ super::structs! {
         pub point_list_count: u32,
         /// Samples of a glossy lobe.
         pub gloss_samples: u32,
+        /// Whether heights bend normals: 0 or 1.
+        pub bumps: u32,
         /// The list at which rough gloss is traced; smooth gloss is at the last one.
         pub rough_gloss_list: u32,
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
