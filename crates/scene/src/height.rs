@@ -16,6 +16,8 @@ pub struct HeightMap {
     /// Row by row from the top.
     values: Vec<f32>,
     wrap: [Wrap; 2],
+    /// Lowest and highest.
+    range: [f32; 2],
 }
 
 /// Heights as a material uses them.
@@ -48,7 +50,7 @@ impl HeightMap {
         if let Some(bad) = values.iter().find(|value| value.abs() > 1e18) {
             return Err(format!("a height of {bad:e} is out of range"));
         }
-        Ok(Self { width, height, values, wrap })
+        Ok(Self::of(width, height, values, wrap))
     }
 
     /// Width and height in texels.
@@ -63,7 +65,7 @@ impl HeightMap {
 
     /// Lowest and highest.
     pub fn range(&self) -> [f32; 2] {
-        self.values.iter().fold([f32::MAX, f32::MIN], |[low, high], &value| [low.min(value), high.max(value)])
+        self.range
     }
 
     /// The map in whole blocks of texels, averaged, so that no side is longer than `side`.
@@ -79,7 +81,12 @@ impl HeightMap {
             (sum / f64::from((right - x) * (bottom - y))) as f32
         };
         let values = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| mean(x, y));
-        Self { width, height, values: values.collect(), wrap: self.wrap }
+        Self::of(width, height, values.collect(), self.wrap)
+    }
+
+    fn of(width: u32, height: u32, values: Vec<f32>, wrap: [Wrap; 2]) -> Self {
+        let range = values.iter().fold([f32::MAX, f32::MIN], |[low, high], &v| [low.min(v), high.max(v)]);
+        Self { width, height, values, wrap, range }
     }
 
     /// Height of a texel, which may lie outside the map.

@@ -47,14 +47,15 @@ fn settings(bumps: Bumps, shadows: BumpShadows) -> RenderSettings {
     RenderSettings::default().with(|s| {
         s.techniques.bumps = bumps;
         s.techniques.bump_shadows = shadows;
+        s.techniques.supersample = 2;
     })
 }
 
 /// Relative RMSE of each way to draw bumps against the truth: off, shade, shadow and scatter by ellipses, scatter by horizons.
 fn errors(scene: &Scene, map: &Equirect, set: &LightSet, what: &str) -> Option<[f64; 5]> {
     let gpu = gpu_or_skip()?;
-    let [width, height] = [120, 90];
-    let options = ReferenceOptions { width, height, samples_per_pixel: 128, seed: 3, ..Default::default() };
+    let [width, height] = [64, 48];
+    let options = ReferenceOptions { width, height, samples_per_pixel: 160, seed: 3, ..Default::default() };
     let truth = gnomon_reference::render(scene, &camera(), map, &options).unwrap().mean;
     let ways = [
         (Bumps::Off, BumpShadows::Ellipses),
@@ -122,7 +123,7 @@ fn odd_heights_leave_the_picture_as_it_is() {
     let Some(gpu) = gpu_or_skip() else { return };
     let map = builtin::by_name("sky").unwrap();
     let set = one_disk(Vec3::new(0.5, 0.8, 0.3).normalize(), 0.2);
-    let mut renderer = Renderer::new(&gpu, RenderSettings::default()).unwrap();
+    let mut renderer = Renderer::new(&gpu, settings(Bumps::Scatter, BumpShadows::Ellipses)).unwrap();
     renderer.set_lighting(&map, &set).unwrap();
     let mut plain = square(domes(), 0.2, Affine2::IDENTITY);
     plain.materials[0].height = None;
@@ -145,7 +146,7 @@ fn odd_heights_leave_the_picture_as_it_is() {
     // Heights upside down on a square that is seen from above, mirrored: the same bumps at other places.
     renderer.set_settings(settings(Bumps::Off, BumpShadows::Ellipses), &set).unwrap();
     assert_eq!(draw(&mut renderer).texels(), expected.texels(), "off");
-    renderer.set_settings(RenderSettings::default(), &set).unwrap();
+    renderer.set_settings(settings(Bumps::Scatter, BumpShadows::Ellipses), &set).unwrap();
     assert_eq!(draw(&mut renderer).texels(), bumps.texels(), "on again");
     renderer.set_scene(&plain).unwrap();
     assert_eq!(draw(&mut renderer).texels(), expected.texels(), "heights taken away");
@@ -165,7 +166,8 @@ fn mirrored_coordinates_show_the_same_bumps() {
     let map = builtin::by_name("sky").unwrap();
     let set = one_disk(Vec3::new(0.5, 0.6, 0.3).normalize(), 0.2);
     let picture = |scene: &Scene| {
-        render(&gpu, RenderSettings::default(), scene, &map, &set, &camera(), [64, 48]).radiance
+        render(&gpu, settings(Bumps::Scatter, BumpShadows::Ellipses), scene, &map, &set, &camera(), [64, 48])
+            .radiance
     };
     let straight = picture(&square(of(false), 0.2, Affine2::IDENTITY));
     let mirror = Affine2::from_scale_angle_translation(Vec2::new(-1.0, 1.0), 0.0, Vec2::X);
