@@ -18,6 +18,7 @@
 //! it is given, so that an animation is one call a pose.
 
 mod arrival;
+mod bumps;
 mod camera_ray;
 mod environment;
 mod error;
@@ -25,6 +26,7 @@ mod illumination;
 mod near_light;
 mod pixels;
 mod progressive;
+mod relief;
 mod render;
 mod sampler;
 mod shade;

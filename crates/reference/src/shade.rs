@@ -50,6 +50,7 @@ impl Tracer<'_> {
                 Decision::UnshadowedChoice,
             ]),
         );
+        let direct = direct + self.scattered(&point, sequence, index);
         if point.catches {
             return self.behind(ray) * self.share_left(&point, direct);
         }
@@ -147,6 +148,7 @@ impl Tracer<'_> {
         let arrives = |distance: f32| {
             !shadowed
                 || (wi.dot(point.geometric_normal) > 0.0
+                    && point.relief.is_none_or(|(relief, uv)| relief.hit(uv, wi).is_none())
                     && !self.scene.is_occluded(&Ray { origin: lifted, direction: wi }, distance))
         };
         let (radiance, light_pdf) = light.evaluate(wi, arrives);

@@ -1,6 +1,6 @@
-use glam::{Mat3, Vec3, Vec3A};
+use glam::{Mat3, Vec2, Vec3, Vec3A};
 use gnomon_brdf::{Frame, Surface};
-use gnomon_scene::{MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
+use gnomon_scene::{Gradients, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -8,6 +8,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::ray::RayHit;
 
+use crate::relief::Relief;
 use crate::{Ray, ReferenceError};
 
 /// Most placed triangles: the BVH has twice as many nodes and numbers them in 32 bits.
@@ -58,7 +59,7 @@ pub(crate) struct Hit {
 
 /// A hit, ready for shading.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HitPoint {
+pub(crate) struct HitPoint<'a> {
     /// World space [m], on the triangle up to rounding.
     pub(crate) position: Vec3,
     /// Unit normal of the triangle's plane, world space, on the viewer's side.
@@ -71,9 +72,11 @@ pub(crate) struct HitPoint {
     pub(crate) emissive: Vec3,
     /// Shows what is behind the scene; its surface then is matte.
     pub(crate) catches: bool,
+    /// Bumps, seen from their front, and the place of the hit in their map.
+    pub(crate) relief: Option<(Relief<'a>, Vec2)>,
 }
 
-impl HitPoint {
+impl HitPoint<'_> {
     /// Start of a shadow ray on the viewer's side of the surface.
     pub(crate) fn lifted(&self) -> Vec3 {
         self.position + self.geometric_normal * self.clearance
@@ -161,7 +164,7 @@ impl<'a> TracedScene<'a> {
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
-    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint {
+    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint<'a> {
         let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
         let index = triangle.index as usize;
@@ -171,8 +174,16 @@ impl<'a> TracedScene<'a> {
         };
         let [a, b, c] = triangle.corners;
         let geometric_normal = towards(wo, Vec3::from((b - a).cross(c - a).normalize_or(Vec3A::Y)));
-        let shading_normal =
-            (instance.normal_from_mesh * point.shading_normal).try_normalize().unwrap_or(geometric_normal);
+        let to_world =
+            |normal: Vec3| (instance.normal_from_mesh * normal).try_normalize().unwrap_or(geometric_normal);
+        let (mut shading_normal, smooth_normal) =
+            (to_world(point.shading_normal), to_world(point.smooth_normal));
+        let relief = self.relief(triangle, smooth_normal, point.uvs);
+        if let Some((relief, uv)) = &relief {
+            let rise = relief.gradients.rise(relief.scale * relief.map.slope(*uv));
+            shading_normal = bent_by_heights(shading_normal, smooth_normal, rise);
+        }
+        let is_front = smooth_normal.dot(geometric_normal) >= 0.0;
         let n = towards(geometric_normal, shading_normal);
         // The bitangent is the mesh's, whichever side is seen.
         let bitangent_sign = point.tangent.w * instance.handedness * n.dot(shading_normal);
@@ -187,7 +198,22 @@ impl<'a> TracedScene<'a> {
             surface: if instance.catches { Surface::default() } else { point.surface },
             emissive: point.emissive,
             catches: instance.catches,
+            relief: relief.filter(|_| is_front),
         }
+    }
+
+    /// The heights around a point of a triangle, and its place in their map.
+    fn relief(&self, triangle: &Triangle, n: Vec3, uvs: [Vec2; 2]) -> Option<(Relief<'a>, Vec2)> {
+        let scene: &'a Scene = self.scene;
+        let mesh = self.instances[triangle.instance as usize].mesh;
+        let height = scene.material(mesh).height?;
+        let of_mesh = &scene.meshes[mesh.0];
+        let coordinates = of_mesh.uvs.get(height.set).filter(|set| !set.is_empty())?;
+        let corner_uvs = of_mesh.triangles[triangle.index as usize]
+            .map(|corner| height.transform(coordinates[corner as usize]));
+        let gradients = Gradients::new(triangle.corners.map(Vec3::from), corner_uvs, n)?;
+        let map = &*scene.height_maps[height.map.0];
+        Some((Relief { map, scale: height.scale, gradients, n }, height.transform(uvs[height.set])))
     }
 
     /// Distance to a triangle where the ray meets it outside the holes of its mask.

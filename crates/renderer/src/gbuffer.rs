@@ -1,6 +1,6 @@
 use gnomon_shaders::layout;
 
-use crate::bindings::{Binding, D2};
+use crate::bindings::{Binding, D2, Groups, Shader};
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::recorder::Recorder;
@@ -34,13 +34,21 @@ pub(crate) struct GBuffer {
     depth: wgpu::TextureView,
     /// Geometry and reflectance, as `gbuffer_packing.wgsl` has them.
     images: [wgpu::TextureView; 2],
+    /// As `relief_packing.wgsl` has it, where the scene has relief.
+    pub relief: Option<[wgpu::TextureView; 2]>,
     /// Surface bind group of the passes over the screen.
     pub group: wgpu::BindGroup,
 }
 
 impl GBufferPass {
     /// Textures for a picture of `size` samples, `samples` x `samples` a pixel.
-    pub fn target(&self, gpu: &Gpu, materials: &Materials, size: [u32; 2], samples: u32) -> GBuffer {
+    pub fn target(
+        &self,
+        gpu: &Gpu,
+        materials: &Materials,
+        (size, samples): ([u32; 2], u32),
+        has_relief: bool,
+    ) -> GBuffer {
         let [width, height] = size;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let target = |label, format| {
@@ -48,14 +56,15 @@ impl GBufferPass {
         };
         let depth = target("gbuffer depth", DEPTH_FORMAT);
         let images = ["gbuffer geometry", "gbuffer reflectance"].map(|label| target(label, FORMAT));
-        let group = self.read_group(gpu, materials, &depth, &images);
+        let relief = has_relief.then(|| ["relief frame", "relief lit"].map(|label| target(label, FORMAT)));
+        let group = self.read_group(gpu, materials, &depth, (&images, relief.as_ref()));
         let interleave = if samples.is_multiple_of(2) { 2 } else { 1 };
-        GBuffer { interleave, size, depth, images, group }
+        GBuffer { interleave, size, depth, images, relief, group }
     }
 
     /// Surface bind group of the passes over the screen with other materials.
     pub fn group_with(&self, gpu: &Gpu, target: &GBuffer, materials: &Materials) -> wgpu::BindGroup {
-        self.read_group(gpu, materials, &target.depth, &target.images)
+        self.read_group(gpu, materials, &target.depth, (&target.images, target.relief.as_ref()))
     }
 
     fn read_group(
@@ -63,9 +72,10 @@ impl GBufferPass {
         gpu: &Gpu,
         materials: &Materials,
         depth: &wgpu::TextureView,
-        [geometry, reflectance]: &[wgpu::TextureView; 2],
+        ([geometry, reflectance], relief): (&[wgpu::TextureView; 2], Option<&[wgpu::TextureView; 2]>),
     ) -> wgpu::BindGroup {
-        let images = [depth, geometry, reflectance].map(wgpu::BindingResource::TextureView);
+        let [frame, lit] = relief.unwrap_or(&self.no_relief);
+        let images = [depth, geometry, reflectance, frame, lit].map(wgpu::BindingResource::TextureView);
         let mut resources = vec![(0, materials.records.as_entire_binding())];
         resources.extend((1..).zip(images));
         gpu.bind_group("gbuffer", &self.read_layout, &resources)
@@ -79,6 +89,8 @@ pub(crate) struct GBufferPass {
     pub view_layout: wgpu::BindGroupLayout,
     /// Of what it draws, for the passes over the screen.
     pub read_layout: wgpu::BindGroupLayout,
+    /// In place of a scene's relief that has none.
+    no_relief: [wgpu::TextureView; 2],
     pipeline: wgpu::RenderPipeline,
 }
 
@@ -92,41 +104,30 @@ impl GBufferPass {
             (1, Binding::Depth { dimension: D2 }),
             (2, Binding::UintTexture),
             (3, Binding::UintTexture),
+            (4, Binding::UintTexture),
+            (5, Binding::UintTexture),
         ];
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
         let shader = gpu.shader("gbuffer", &[])?;
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("gbuffer"),
-            layout: Some(&gpu.pipeline_layout(&[
-                (layout::GROUP_FRAME, &view_layout),
-                (layout::GROUP_SURFACE, &material_layout),
-            ])),
-            vertex: wgpu::VertexState {
-                module: &shader.module,
-                entry_point: Some("gbuffer_vertex"),
-                compilation_options: Default::default(),
-                buffers: &VERTEX_BUFFERS,
-            },
-            // No culling: every surface is two-sided, as in the reference.
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
+        let groups = [(layout::GROUP_FRAME, &view_layout), (layout::GROUP_SURFACE, &material_layout)];
+        let pipeline = pipeline(
+            gpu,
+            &shader,
+            "gbuffer_fragment",
+            &groups,
+            wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
                 depth_write_enabled: Some(true),
                 depth_compare: Some(wgpu::CompareFunction::Greater),
                 stencil: Default::default(),
                 bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &shader.module,
-                entry_point: Some("gbuffer_fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(FORMAT.into()), Some(FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
+            },
+        );
+        let no_relief = ["no relief frame", "no relief lit"].map(|label| {
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+            gpu.texture(label, [1, 1, 1], 1, FORMAT, usage).create_view(&Default::default())
         });
-        Ok(Self { material_layout, view_layout, read_layout, pipeline })
+        Ok(Self { material_layout, view_layout, read_layout, no_relief, pipeline })
     }
 
     /// Bind group of the frame over the frame's view uniform.
@@ -142,53 +143,108 @@ impl GBufferPass {
         geometry: &Geometry,
         materials: &Materials,
     ) {
-        let attachments: Vec<_> = target
-            .images
-            .iter()
-            .map(|view| {
-                let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-                Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-                })
-            })
-            .collect();
-        let mut pass = recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("gbuffer"),
+        let depth = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+        let mut pass = target.begin_pass(recorder, "gbuffer", &target.images, Some(depth));
+        draw(&mut pass, &self.pipeline, target, view_group, (geometry, materials), |_, _| true);
+    }
+}
+
+impl GBuffer {
+    /// A pass that draws into some of its images, cleared, and into its depths or before them.
+    pub fn begin_pass<'a>(
+        &self,
+        recorder: &'a mut Recorder<'_>,
+        label: &str,
+        images: &[wgpu::TextureView; 2],
+        depth_ops: Option<wgpu::Operations<f32>>,
+    ) -> wgpu::RenderPass<'a> {
+        let ops = wgpu::Operations {
+            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            store: wgpu::StoreOp::Store,
+        };
+        let attachments = images.each_ref().map(|view| {
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        });
+        recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
             color_attachments: &attachments,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &target.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
+                view: &self.depth,
+                depth_ops,
                 stencil_ops: None,
             }),
             ..Default::default()
-        });
-        if geometry.index_count == 0 {
-            return;
-        }
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(layout::GROUP_FRAME, view_group, &[]);
-        for (slot, buffer) in (0..).zip(geometry.vertex_buffers()) {
-            pass.set_vertex_buffer(slot, buffer.slice(..));
-        }
-        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        let [width, height] = target.size.map(|side| side / target.interleave);
-        let parts = target.interleave * target.interleave;
-        for part in 0..parts {
-            let (x, y) = (part % target.interleave * width, part / target.interleave * height);
-            pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
-            pass.set_scissor_rect(x, y, width, height);
-            for range in &geometry.ranges {
-                let material = materials.number(range.material);
-                pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(material), &[]);
-                let instance = material as u32 * parts + part;
-                pass.draw_indexed(range.indices.clone(), 0, instance..instance + 1);
+        })
+    }
+}
+
+/// A pipeline over the scene's triangles with two images of [`FORMAT`].
+pub(crate) fn pipeline(
+    gpu: &Gpu,
+    shader: &Shader,
+    fragment: &str,
+    groups: Groups<'_>,
+    depth_stencil: wgpu::DepthStencilState,
+) -> wgpu::RenderPipeline {
+    let attribute = |array_stride, attributes| {
+        Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
+    };
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(&gpu.pipeline_layout(groups)),
+        vertex: wgpu::VertexState {
+            module: &shader.module,
+            entry_point: Some("gbuffer_vertex"),
+            compilation_options: Default::default(),
+            buffers: &VERTEX_BUFFERS,
+        },
+        // No culling: every surface is two-sided, as in the reference.
+        primitive: Default::default(),
+        depth_stencil: Some(depth_stencil),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader.module,
+            entry_point: Some(fragment),
+            compilation_options: Default::default(),
+            targets: &[Some(FORMAT.into()), Some(FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Draws the scene into every part of a target; `binds` takes the number of a material and says whether its meshes are drawn.
+pub(crate) fn draw<'a>(
+    pass: &mut wgpu::RenderPass<'a>,
+    pipeline: &wgpu::RenderPipeline,
+    target: &GBuffer,
+    view_group: &wgpu::BindGroup,
+    (geometry, materials): (&Geometry, &Materials),
+    binds: impl Fn(&mut wgpu::RenderPass<'a>, usize) -> bool,
+) {
+    if geometry.index_count == 0 {
+        return;
+    }
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(layout::GROUP_FRAME, view_group, &[]);
+    for (slot, buffer) in (0..).zip(geometry.vertex_buffers()) {
+        pass.set_vertex_buffer(slot, buffer.slice(..));
+    }
+    pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+    let [width, height] = target.size.map(|side| side / target.interleave);
+    let parts = target.interleave * target.interleave;
+    for part in 0..parts {
+        let (x, y) = (part % target.interleave * width, part / target.interleave * height);
+        pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
+        pass.set_scissor_rect(x, y, width, height);
+        for range in &geometry.ranges {
+            let material = materials.number(range.material);
+            if !binds(pass, material) {
+                continue;
             }
+            pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(material), &[]);
+            let instance = material as u32 * parts + part;
+            pass.draw_indexed(range.indices.clone(), 0, instance..instance + 1);
         }
     }
 }

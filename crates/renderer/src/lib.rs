@@ -8,6 +8,7 @@
 pub mod ambient;
 mod batch_plan;
 mod bindings;
+mod bumps;
 mod camera;
 mod casters;
 mod compose;
@@ -30,6 +31,7 @@ mod light_uniforms;
 mod lighting;
 pub mod lod;
 mod materials;
+mod mip_chain;
 mod near_light_frame;
 mod present;
 mod radiance_cache;
@@ -48,6 +50,7 @@ pub mod unshadowed;
 mod view_slices;
 
 pub use batch_plan::ShadowSizing;
+pub use bumps::{BumpShadows, Bumps};
 pub use error::RenderError;
 pub use gloss::{GlossPath, Reflections};
 #[cfg(not(target_arch = "wasm32"))]

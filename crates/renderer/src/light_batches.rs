@@ -75,6 +75,8 @@ pub(crate) struct BatchContext<'a> {
     pub view: &'a wgpu::Buffer,
     /// Where the technique traces rays.
     pub ray_scene: Option<&'a RayScene>,
+    /// Module for slot `bumps`.
+    pub bumps: &'static str,
 }
 
 /// What a frame's light is summed of.
@@ -101,7 +103,7 @@ impl LightBatches {
         near_lights: &[PlacedLight],
         (points, slice_count): (u64, usize),
     ) -> Result<Self, RenderError> {
-        let BatchContext { gpu, shared, technique, settings, view, ray_scene } = *context;
+        let BatchContext { gpu, shared, technique, settings, view, ray_scene, bumps } = *context;
         let shadow_settings = &settings.shadow_settings;
         // What is decided by the lights' sizes does not change as the environment turns.
         let mut all = frame_lights(lighting.fitted(), &lighting.points, near_lights);
@@ -147,7 +149,7 @@ impl LightBatches {
         for (index, class) in planned.into_iter().enumerate() {
             let LightNeeds { resolution, .. } = class.needs;
             let size = BatchSize { lights: class.capacity, resolution, points };
-            let context = ShadowContext { gpu, settings: shadow_settings, shared, size, rays };
+            let context = ShadowContext { gpu, settings: shadow_settings, shared, size, rays, bumps };
             let shadows = technique.resources(&context)?;
             classes.push(ClassShadows { needs: class.needs, shadows });
             for members in class.batches {

@@ -5,6 +5,7 @@ use gnomon_picture::RgbImage;
 use gnomon_scene::{PlacedLight, Scene};
 use gnomon_shaders::layout;
 
+use crate::bumps::{MaterialHeights, Relief, ReliefPass};
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -59,6 +60,10 @@ pub struct Renderer {
     near_lights: Vec<PlacedLight>,
     /// Of every material.
     surfaces: Vec<Surface>,
+    /// Of the materials that have them.
+    heights: Vec<MaterialHeights>,
+    /// What is prepared of them.
+    relief: Option<Relief>,
     world_from_environment: Quat,
     state: State,
     target: Option<Target>,
@@ -81,6 +86,7 @@ pub struct Renderer {
 struct Passes {
     transform: TransformPass,
     gbuffer: GBufferPass,
+    relief: ReliefPass,
     points: ShadingPointsPass,
     shared: SharedPasses,
     cache: RadianceCachePass,
@@ -117,6 +123,7 @@ impl Renderer {
                 frame: light_pass::frame_layout(gpu),
                 gbuffer: gbuffer.read_layout.clone(),
             },
+            relief: ReliefPass::new(gpu, [&gbuffer.view_layout, &gbuffer.material_layout])?,
             gbuffer,
             points,
             cache: RadianceCachePass::new(gpu)?,
@@ -144,6 +151,8 @@ impl Renderer {
             ray_scene: None,
             near_lights: Vec::new(),
             surfaces: Vec::new(),
+            heights: Vec::new(),
+            relief: None,
             world_from_environment: Quat::IDENTITY,
             target: None,
             slice_count: 1,

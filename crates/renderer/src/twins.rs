@@ -9,6 +9,7 @@ use crate::bindings::Binding;
 use crate::gpu::ReadBack;
 use crate::{Gpu, GpuOptions};
 
+mod bumps;
 mod gbuffer_packing;
 mod lights;
 mod reflectance;

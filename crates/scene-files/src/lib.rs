@@ -14,6 +14,7 @@ mod color;
 mod error;
 mod geometry;
 mod gltf;
+mod heights;
 mod mtl;
 mod obj;
 mod ply;

@@ -6,10 +6,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use ::toml::Spanned;
-use glam::{Affine3A, DMat3, DVec3, EulerRot, Mat3, Quat, Vec3};
+use glam::{Affine2, Affine3A, DMat3, DVec3, EulerRot, Mat3, Quat, Vec2, Vec3};
 use gnomon_messages::quoted;
 use gnomon_scene::{
-    Camera, Ground, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene, builtin, excess,
+    Camera, Ground, Height, HeightMapId, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene,
+    Wrap, builtin, excess,
 };
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
@@ -19,7 +20,7 @@ use super::{
     load_within,
 };
 use crate::error::Fault;
-use crate::{Resolver, SceneFileError};
+use crate::{Resolver, SceneFileError, heights};
 
 mod light;
 
@@ -206,9 +207,55 @@ struct MaterialEntry {
     reflectance: Option<String>,
     emissive: Option<[f32; 3]>,
     double_sided: Option<bool>,
+    height: Option<HeightEntry>,
     /// Of the reflectance model.
     #[serde(flatten)]
     parameters: BTreeMap<String, Numbers>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HeightEntry {
+    file: String,
+    scale: f32,
+    #[serde(default)]
+    tiling: Tiling,
+    #[serde(default)]
+    offset: [f32; 2],
+    #[serde(default)]
+    wrap: HeightWrap,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "tiling is one number or two")]
+enum Tiling {
+    Uniform(f32),
+    Axes([f32; 2]),
+}
+
+impl Default for Tiling {
+    fn default() -> Self {
+        Self::Uniform(1.0)
+    }
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum HeightWrap {
+    #[default]
+    Repeat,
+    Mirror,
+    Clamp,
+}
+
+impl From<HeightWrap> for Wrap {
+    fn from(wrap: HeightWrap) -> Self {
+        match wrap {
+            HeightWrap::Repeat => Self::Repeat,
+            HeightWrap::Mirror => Self::MirroredRepeat,
+            HeightWrap::Clamp => Self::ClampToEdge,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -237,7 +284,10 @@ impl Reader<'_> {
         let mut scene = Scene::default();
         let mut materials = BTreeMap::new();
         for (name, entry) in &file.material {
-            let material = self.material(name, entry)?;
+            let mut material = self.material(name, entry)?;
+            if let Some(height) = &entry.get_ref().height {
+                material.height = Some(self.height(height, entry, budget, &mut scene)?);
+            }
             let excess = excess(&material.surface);
             scene.warnings.extend(excess.map(|excess| format!("material '{}': {excess}", quoted(name))));
             materials.insert(name.as_str(), MaterialId(scene.materials.len()));
@@ -307,10 +357,22 @@ impl Reader<'_> {
             placed.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = None);
             placed.materials.clear();
             placed.textures.clear();
+            placed.height_maps.clear();
             let first = scene.meshes.len();
             scene.append_at(placed, self.root(spanned, name)?, translation);
             scene.meshes[first..].iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = Some(*id));
+            let has_heights = scene.materials[id.0].height.is_some();
+            if has_heights && scene.meshes[first..].iter().any(|mesh| mesh.uvs[0].is_empty()) {
+                scene.warnings.push(format!(
+                    "material '{}': its heights need texture coordinates, which a mesh has not",
+                    quoted(material)
+                ));
+            }
         } else {
+            // Heights of a model grow with it.
+            let scale = model.scale().element_product().abs().cbrt();
+            let heights = placed.materials.iter_mut().filter_map(|material| material.height.as_mut());
+            heights.for_each(|height| height.scale *= scale);
             scene.append_at(placed, self.root(spanned, name)?, translation);
         }
         scene.ground = scene.ground.or(ground);
@@ -350,6 +412,34 @@ impl Reader<'_> {
         }
         material.double_sided = entry.double_sided.unwrap_or(true);
         Ok(material)
+    }
+
+    fn height(
+        &self,
+        entry: &HeightEntry,
+        of: &Spanned<MaterialEntry>,
+        budget: &mut Budget,
+        scene: &mut Scene,
+    ) -> Result<Height, Fault> {
+        let tiling = match entry.tiling {
+            Tiling::Uniform(tiling) => Vec2::splat(tiling),
+            Tiling::Axes(tiling) => Vec2::from_array(tiling),
+        };
+        let offset = Vec2::from_array(entry.offset);
+        if !(entry.scale.is_finite() && tiling.is_finite() && offset.is_finite()) {
+            return Err(self.at(of, "scale, tiling and offset of heights must be finite".to_owned()));
+        }
+        let path = self.source.sibling(&entry.file);
+        let bytes = super::read_file(&path, self.source.resolver, budget)?;
+        let wrap = Wrap::from(entry.wrap);
+        let map = heights::decode(&bytes, [wrap; 2], budget, |warning| scene.warnings.push(warning));
+        scene.height_maps.push(Arc::new(map.map_err(|fault| Fault::from(fault.at(&path)))?));
+        Ok(Height {
+            map: HeightMapId(scene.height_maps.len() - 1),
+            uv_from_mesh: Affine2::from_scale_angle_translation(tiling, 0.0, offset),
+            set: 0,
+            scale: entry.scale,
+        })
     }
 
     fn environment(&self, spanned: &Spanned<EnvironmentEntry>) -> Result<EnvironmentSettings, Fault> {

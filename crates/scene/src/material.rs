@@ -1,6 +1,8 @@
 use glam::{Affine2, Vec2, Vec3};
 use gnomon_brdf::Surface;
 
+use crate::Height;
+
 /// Index into [`crate::Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureId(pub usize);
@@ -91,6 +93,8 @@ pub struct Material {
     pub normal_texture: Option<TextureRef>,
     /// Scale of the normal texture's x and y.
     pub normal_scale: f32,
+    /// Heights: relief that shades, shadows and lights itself.
+    pub height: Option<Height>,
     /// Linear: specular strength in A.
     pub specular_texture: Option<TextureRef>,
     /// sRGB: specular tint.
@@ -121,6 +125,7 @@ impl Default for Material {
             metallic_roughness_texture: None,
             normal_texture: None,
             normal_scale: 1.0,
+            height: None,
             specular_texture: None,
             specular_color_texture: None,
             emissive: Vec3::ZERO,

@@ -58,12 +58,13 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "gbuffer", slots: &[] },
     Entry { module: "gloss", slots: &[("reflections", &["reflections_off", "reflections_scene"])] },
     Entry { module: "layers", slots: &[] },
-    Entry { module: "light", slots: &[("shadow", SHADOWS)] },
-    Entry { module: "light", slots: &[("shadow", &["shadow_buffered"])] },
+    Entry { module: "light", slots: &[("shadow", SHADOWS), ("bumps", &["bumps_none"])] },
+    Entry { module: "light", slots: &[("shadow", &["shadow_buffered", "shadow_pcss"]), ("bumps", BUMPS)] },
     Entry { module: "moments", slots: &[] },
     Entry { module: "present", slots: &[] },
     Entry { module: "radiance_cache", slots: &[] },
     Entry { module: "ray_refit", slots: &[] },
+    Entry { module: "relief", slots: &[] },
     Entry { module: "resolve", slots: &[] },
     Entry { module: "seen", slots: &[] },
     Entry { module: "shading_points", slots: &[] },
@@ -71,8 +72,11 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "shadow_map_masked", slots: &[] },
     Entry { module: "summed_area", slots: &[] },
     Entry { module: "transform", slots: &[] },
-    Entry { module: "visibility", slots: &[("shadow", SHADOWS)] },
+    Entry { module: "visibility", slots: &[("shadow", SHADOWS), ("bumps", BUMPS)] },
 ];
+
+/// What bumps do to light.
+const BUMPS: &[&str] = &["bumps_none", "bumps_ellipses", "bumps_horizons"];
 
 /// Every shadow technique with a function of its own.
 const SHADOWS: &[&str] = &[
@@ -148,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_module_imported_twice_appears_once() {
-        let source = resolve("light", &[("shadow", "shadow_hard")]).unwrap();
+        let source = resolve("light", &[("shadow", "shadow_hard"), ("bumps", "bumps_none")]).unwrap();
         assert_eq!(source.matches("struct View {").count(), 1);
         assert!(!source.contains("#import"));
     }

@@ -1,6 +1,7 @@
 #import sample_places
 #import gbuffer_packing
 #import material_textures
+#import height_slopes
 
 // What is seen through every sample of the picture: normals, tangent, material, and what textures make of it. No light here. One surface a
 // sample, the nearest; of surfaces that let light through a further layer would be drawn into another G-buffer by this same pass.
@@ -14,7 +15,8 @@ struct Vertex {
 }
 
 struct Varying {
-    @builtin(position) position_clip: vec4f,
+    // The same in the pass that draws relief over this one.
+    @invariant @builtin(position) position_clip: vec4f,
     @location(0) position_world: vec3f,
     @location(1) normal_world: vec3f,
     @location(2) tangent_world: vec4f,
@@ -70,9 +72,12 @@ fn drawn_surface(surface: Varying) -> PackedSurface {
     packed.emission = select(vec3f(1.0), surface.color.rgb, material.emissive_vertex_colors != 0u);
     packed.specular_color = vec3f(1.0);
     packed.specular = 1.0;
-    packed.roughness = 1.0;
+    packed.roughness = material.roughness;
     packed.metallic = 1.0;
     var tilt = vec3f(0.0, 0.0, 1.0);
+    let smooth_normal = normalize(surface.normal_world);
+    var rise = vec3f(0.0);
+    var spread = 0.0;
     for (var i = material.first_texture; i < material.end_texture; i++) {
         let texture = material_textures[i];
         let texel = material_texel(texture, surface.uvs, uvs_across, uvs_down);
@@ -91,6 +96,21 @@ fn drawn_surface(surface: Varying) -> PackedSurface {
                 tilt = (2.0 * texel.xyz - 1.0) * vec3f(material.normal_scale, material.normal_scale, 1.0);
                 let uv = texture_uv(texture, surface.uvs);
                 packed.uv = vec2f(wrapped_coordinate(uv.x, texture.wrap.x), wrapped_coordinate(uv.y, texture.wrap.y));
+            }
+            case TEXTURE_HEIGHT: {
+                let gradients = uv_gradients(
+                    smooth_normal,
+                    across,
+                    down,
+                    texture_uv_change(texture, uvs_across),
+                    texture_uv_change(texture, uvs_down),
+                    1.0 / f32(view.interleave),
+                );
+                let slope = texel.xy * material.height_slope;
+                rise = slope.x * gradients.u + slope.y * gradients.v;
+                // What lies within the texel's footprint besides its mean (Olano and Baker 2010).
+                let variance = max(texel.zw - texel.xy * texel.xy, vec2f(0.0)) * material.height_slope * material.height_slope;
+                spread = dot(variance, vec2f(dot(gradients.u, gradients.u), dot(gradients.v, gradients.v)));
             }
             case TEXTURE_SPECULAR: {
                 packed.specular *= texel.a;
@@ -112,15 +132,19 @@ fn drawn_surface(surface: Varying) -> PackedSurface {
     // Every surface is two-sided: both normals are turned to the viewer's side of the triangle.
     let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
     let facet = cross(across, down);
-    var geometric_normal = normalize(select(normalize(surface.normal_world), facet, dot(facet, facet) > 0.0));
+    var geometric_normal = normalize(select(smooth_normal, facet, dot(facet, facet) > 0.0));
     geometric_normal *= select(-1.0, 1.0, dot(geometric_normal, to_viewer) >= 0.0);
 
-    var normal = normalize(surface.normal_world);
+    var normal = smooth_normal;
     let tangent_length = length(surface.tangent_world.xyz);
     if tangent_length > 0.0 {
         let tangent = surface.tangent_world.xyz / tangent_length;
         let bitangent = cross(normal, tangent) * surface.tangent_world.w;
         normal = normalize(tangent * tilt.x + bitangent * tilt.y + normal * tilt.z);
+    }
+    if view.bumps != 0u {
+        normal = bent_by_heights(normal, smooth_normal, rise);
+        packed.roughness = roughness_with_slopes(packed.roughness, spread);
     }
     let turn = select(-1.0, 1.0, dot(normal, geometric_normal) >= 0.0);
     packed.geometric_normal = geometric_normal;

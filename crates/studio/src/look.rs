@@ -134,6 +134,8 @@ settings! {
         up: UpAxis = UpAxis::Y, choice(UpAxis::choices);
         /// Length of the unit of files that do not say: OBJ, PLY and STL.
         unit: f32 = 1.0, number(1e-6, 1e6).unit("m").words(&UNITS);
+        /// Factor of the heights of materials.
+        bump_scale: f32 = 1.0, number(-1e3, 1e3);
     }
 }
 

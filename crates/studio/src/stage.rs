@@ -92,6 +92,9 @@ impl Loaded {
                 scene
             }
         };
+        for height in scene.materials.iter_mut().filter_map(|material| material.height.as_mut()) {
+            height.scale *= look.scene.bump_scale;
+        }
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
         scene.add_ground_under(look.scene.ground, reach);
         let count = scene.materials.len();

@@ -235,3 +235,13 @@ pub const ROTATED_TEXELS_RMSE: f64 = 5e-3;
 /// Relative RMSE of two dozen lights under a turned environment against the reference under moved texels, a glossy metal and a
 /// Phong box included. Found: 0.07 and 0.14; without turning 0.6 and more.
 pub const ROTATED_REFERENCE_RMSE: f64 = 0.2;
+
+/// Share of pairs of a texel and a direction, weighted by the cosine, that ellipses of a height field may be wrong about: an ellipse is convex
+/// and has no corners, and a texel between bumps sees a star.
+pub const BUMP_ELLIPSES_WRONG: f64 = 0.07;
+/// The same for horizons in eight azimuths, between which a spike is missed.
+pub const BUMP_HORIZONS_WRONG: f64 = 0.05;
+/// Relative error of the mean of scattered light in a spherical pit, by 64 directions a texel.
+pub const BUMP_PIT: f32 = 0.03;
+/// Relative RMSE of a picture of bumps, shadows and scattered light included, against the traced height field.
+pub const BUMPS: f64 = 0.05;

@@ -9,6 +9,7 @@ use super::state::{EnvironmentGroups, Lit, Surroundings};
 use super::{Renderer, Target};
 use crate::RenderError;
 use crate::RenderSettings;
+use crate::bumps::{MaterialHeights, NO_BUMPS, Preparation, Relief};
 use crate::compose::ComposePass;
 use crate::geometry::{Geometry, MovedGeometry};
 use crate::gloss::Reflections;
@@ -60,6 +61,7 @@ struct Next {
     /// For lights that stay.
     groups: Option<EnvironmentGroups>,
     rays: NextRays,
+    relief: NextRelief,
     world_from_environment: Quat,
     scene: NextScene,
 }
@@ -71,6 +73,7 @@ struct NextScene {
     materials: Option<NextMaterials>,
     near_lights: Option<Vec<PlacedLight>>,
     surfaces: Option<Vec<Surface>>,
+    heights: Option<Vec<MaterialHeights>>,
 }
 
 enum NextGeometry {
@@ -83,6 +86,13 @@ enum NextRays {
     None,
     Same,
     New(Box<RayScene>),
+}
+
+/// What is prepared of heights from then on.
+enum NextRelief {
+    None,
+    Same,
+    New(Box<Relief>),
 }
 
 enum NextMaterials {
@@ -176,11 +186,24 @@ impl Renderer {
             }
             false => None,
         };
+        let heights = scene.heights.as_ref().unwrap_or(&self.heights);
+        let preparation = chosen.preparation(heights);
+        let relief = match (preparation, &self.relief) {
+            (None, _) => NextRelief::None,
+            (Some(wanted), Some(is)) if wanted == is.preparation && scene.heights.is_none() => {
+                NextRelief::Same
+            }
+            (Some(wanted), is) => {
+                NextRelief::New(Box::new(Relief::new(gpu, &self.passes.relief, heights, wanted, is.as_ref())))
+            }
+        };
+        let bumps = preparation.map_or(NO_BUMPS, Preparation::module);
         // More or fewer lights of the scene need other maps; what is bound of a scene for rays is another with it.
         let needs_maps = other_techniques
             || near_lights.len() != self.near_lights.len()
             || ray_scene.is_some()
             || is.lit.as_ref().is_some_and(|lit| lit.gloss.is_some() != traces_gloss)
+            || is.lit.as_ref().is_some_and(|lit| lit.bumps != bumps)
             || technique.map(|t| t.name()) != is.lit.as_ref().map(|lit| lit.technique.name());
         let surroundings = technique.map(|technique| Surroundings {
             chosen: &chosen,
@@ -191,6 +214,7 @@ impl Renderer {
             ray_scene: ray_scene.as_ref().or(self.ray_scene.as_ref()).filter(|_| traces_rays),
             traces_gloss,
             world_from_environment,
+            bumps,
         });
         let lighting = lighting.or_else(|| in_force.filter(|_| needs_maps).cloned());
         let lit = surroundings
@@ -208,7 +232,7 @@ impl Renderer {
             (true, None) => NextRays::Same,
             (true, Some(scene)) => NextRays::New(Box::new(scene)),
         };
-        Ok(Next { compose, cache, lit, groups, rays, world_from_environment, scene, chosen })
+        Ok(Next { compose, cache, lit, groups, rays, relief, world_from_environment, scene, chosen })
     }
 
     fn next_scene(&self, change: SceneChange<'_>) -> Result<NextScene, RenderError> {
@@ -229,6 +253,7 @@ impl Renderer {
             });
         }
         if looks_different {
+            next.heights = Some(MaterialHeights::of(scene));
             next.surfaces = Some(scene.materials.iter().map(|material| material.surface).collect());
             next.materials = Some(match self.materials.records_of(scene) {
                 Some(records) => NextMaterials::Changed(records),
@@ -248,8 +273,8 @@ impl Renderer {
 
     /// Nothing here can fail: it makes nothing on the device. What lies in buffers that stay is written with the next frame.
     fn take(&mut self, next: Next) {
-        let Next { chosen, compose, cache, lit, groups, rays, world_from_environment, scene } = next;
-        let NextScene { geometry, materials, near_lights, surfaces } = scene;
+        let Next { chosen, compose, cache, lit, groups, rays, relief, world_from_environment, scene } = next;
+        let NextScene { geometry, materials, near_lights, surfaces, heights } = scene;
         let mut refit = geometry.is_some();
         match geometry {
             Some(NextGeometry::New(geometry)) => {
@@ -283,6 +308,14 @@ impl Renderer {
         }
         if let Some(surfaces) = surfaces {
             self.surfaces = surfaces;
+        }
+        if let Some(heights) = heights {
+            self.heights = heights;
+        }
+        match relief {
+            NextRelief::None => self.relief = None,
+            NextRelief::New(relief) => self.relief = Some(*relief),
+            NextRelief::Same => {}
         }
         let is = &mut self.state;
         is.chosen = chosen;

@@ -188,7 +188,10 @@ impl Renderer {
         let size = [width, rows.len() as u32];
         let plan = self.point_plan(size);
         let composed = self.composed();
-        let fits = |target: &Target| target.points.plan == plan && target.composed == composed;
+        let fits = |target: &Target| {
+            let same_relief = target.gbuffer.relief.is_some() == self.relief.is_some();
+            target.points.plan == plan && target.composed == composed && same_relief
+        };
         if !self.target.as_ref().is_some_and(fits) {
             self.target = Some(self.new_target(size, plan)?);
         }
@@ -220,6 +223,11 @@ impl Renderer {
             &self.materials,
         );
         recorder.end_pass("gbuffer")?;
+        if let Some(relief) = &self.relief {
+            let drawn = (&self.geometry, &self.materials);
+            self.passes.relief.encode(&mut recorder, &target.gbuffer, &self.view_group, drawn, relief);
+            recorder.end_pass("relief")?;
+        }
         let gbuffer_group = &target.gbuffer.group;
         let scene = LitScene {
             geometry: &self.geometry,
@@ -306,13 +314,15 @@ impl Renderer {
                 | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
                 | flag(mirrors_scene(lit), layout::FLAG_MIRRORED_SCENE)
-                | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS),
+                | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS)
+                | flag(settings.techniques.bumps.scatter(), layout::FLAG_BUMP_SCATTER),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
             interleave,
             point_lists: plan.lists(),
             point_list_count: plan.samplings.len() as u32,
             gloss_samples: settings.techniques.gloss_samples,
+            bumps: settings.techniques.bumps.shade().into(),
             rough_gloss_list: lit.batches.first_list() as u32,
             sum_scales: lit.sum_scales(),
             background_scale: lit.lighting.seen_scale,
@@ -377,7 +387,12 @@ impl Renderer {
         let values = gpu.texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage);
         let view = values.create_view(&Default::default());
         Ok(Target {
-            gbuffer: self.passes.gbuffer.target(gpu, &self.materials, plan.sample_size, plan.supersample),
+            gbuffer: self.passes.gbuffer.target(
+                gpu,
+                &self.materials,
+                (plan.sample_size, plan.supersample),
+                self.relief.is_some(),
+            ),
             points: self.passes.points.points(gpu, plan, &view)?,
             output: self.passes.resolve.output(gpu, &view, size),
             values,

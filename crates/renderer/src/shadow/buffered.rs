@@ -88,7 +88,8 @@ impl ShadowTechnique for Buffered {
                 (4, Binding::Uniform),
             ],
         );
-        let module = gpu.shader("visibility", &[("shadow", self.0.module(context.settings))])?;
+        let module = gpu
+            .shader("visibility", &[("shadow", self.0.module(context.settings)), ("bumps", context.bumps)])?;
         let shared = context.shared;
         let groups = [
             (layout::GROUP_FRAME, &shared.frame),

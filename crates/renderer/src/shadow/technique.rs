@@ -109,6 +109,8 @@ pub(crate) struct ShadowContext<'a> {
     pub size: BatchSize,
     /// Where the technique traces rays.
     pub rays: Option<RayTargets<'a>>,
+    /// Module for slot `bumps`.
+    pub bumps: &'static str,
 }
 
 /// What rays are traced through, and to.

@@ -38,6 +38,9 @@ super::constants! {
     /// [`View::flags`]: sums of light are kept in floats.
     pub const FLAG_WIDE_SUMS: u32 = 512;
 
+    /// [`View::flags`]: bumps light each other.
+    pub const FLAG_BUMP_SCATTER: u32 = 1024;
+
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
     /// [`Light::shape`] of a quadrilateral.
@@ -109,6 +112,8 @@ super::structs! {
         pub point_list_count: u32,
         /// Samples of a glossy lobe.
         pub gloss_samples: u32,
+        /// Whether heights bend normals: 0 or 1.
+        pub bumps: u32,
         /// The list at which rough gloss is traced; smooth gloss is at the last one.
         pub rough_gloss_list: u32,
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.

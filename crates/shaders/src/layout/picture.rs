@@ -24,6 +24,10 @@ super::constants! {
     pub const VIEW_LIGHTS: u32 = 7;
     /// [`DebugParameters::view`]: where lights are summed.
     pub const VIEW_POINTS: u32 = 8;
+    /// [`DebugParameters::view`]: share of the hemisphere that bumps leave open.
+    pub const VIEW_BUMPS: u32 = 9;
+    /// [`DebugParameters::view`]: light that bumps scatter to each other.
+    pub const VIEW_SCATTERED: u32 = 10;
 }
 
 super::structs! {
