@@ -14,8 +14,8 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 pub(crate) struct GBuffer {
     /// Parts a side that the samples are drawn in, see `sample_places.wgsl`.
     pub interleave: u32,
-    size: [u32; 2],
-    depth: wgpu::TextureView,
+    pub size: [u32; 2],
+    pub depth: wgpu::TextureView,
     /// Geometry and reflectance, as `gbuffer_packing.wgsl` has them.
     images: [wgpu::TextureView; 2],
     /// Surface bind group of the passes over the screen.
@@ -53,6 +53,14 @@ impl GBufferPass {
         let mut resources = vec![(0, materials.records.as_entire_binding())];
         resources.extend((1..).zip(images));
         gpu.bind_group("gbuffer", &self.read_layout, &resources)
+    }
+}
+
+impl GBuffer {
+    /// Left and upper edge, width and height of every part.
+    pub fn parts(&self) -> impl Iterator<Item = [u32; 4]> + use<> {
+        let (side, [width, height]) = (self.interleave, self.size.map(|side| side / self.interleave));
+        (0..side * side).map(move |part| [part % side * width, part / side * height, width, height])
     }
 }
 
@@ -173,10 +181,8 @@ impl GBufferPass {
             pass.set_vertex_buffer(slot, buffer.slice(..));
         }
         pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        let [width, height] = target.size.map(|side| side / target.interleave);
         let parts = target.interleave * target.interleave;
-        for part in 0..parts {
-            let (x, y) = (part % target.interleave * width, part / target.interleave * height);
+        for (part, [x, y, width, height]) in (0..).zip(target.parts()) {
             pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
             pass.set_scissor_rect(x, y, width, height);
             for range in &geometry.ranges {

@@ -55,10 +55,12 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry { module: "debug_view", slots: &[] },
     Entry { module: "downsample", slots: &[] },
+    Entry { module: "edge_refit", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
     Entry { module: "gloss", slots: &[] },
     Entry { module: "light", slots: &[("shadow", SHADOWS)] },
     Entry { module: "light", slots: &[("shadow", &["shadow_buffered"])] },
+    Entry { module: "min_max", slots: &[] },
     Entry { module: "moments", slots: &[] },
     Entry { module: "present", slots: &[] },
     Entry { module: "radiance_cache", slots: &[] },
@@ -67,10 +69,18 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "shading_points", slots: &[] },
     Entry { module: "shadow_map", slots: &[] },
     Entry { module: "shadow_map_masked", slots: &[] },
+    Entry { module: "shadow_volumes", slots: &[] },
+    Entry { module: "silhouettes", slots: &[] },
+    Entry { module: "stencil_depth", slots: &[] },
+    Entry { module: "stencil_visibility", slots: &[] },
     Entry { module: "summed_area", slots: &[] },
     Entry { module: "transform", slots: &[] },
     Entry { module: "visibility", slots: &[("shadow", SHADOWS)] },
+    Entry { module: "visibility", slots: &[("shadow", BUFFERED_SHADOWS)] },
 ];
+
+/// Shadow techniques whose function only fills a buffer: beside the sums of light there is no room for what they read.
+const BUFFERED_SHADOWS: &[&str] = &["shadow_wedges"];
 
 /// Every shadow technique with a function of its own.
 const SHADOWS: &[&str] = &[
@@ -80,6 +90,8 @@ const SHADOWS: &[&str] = &[
     "shadow_pcf",
     "shadow_pcss",
     "shadow_moments",
+    "shadow_backprojection",
+    "shadow_bitmask",
     "shadow_rays",
     "shadow_convolution",
     "shadow_convolution_anisotropic",

@@ -1,4 +1,5 @@
 #import types
+#import edges
 
 // Brings the hierarchies of boxes to where the frame's vertices are, from the leaves up.
 
@@ -11,9 +12,6 @@
 @group(GROUP_PASS) @binding(4) var<storage, read_write> ray_triangles: array<vec4u>;
 // The first of the nodes that are all as high, and the one after the last.
 @group(GROUP_PASS) @binding(5) var<uniform> level: vec2u;
-
-// The slab test rounds: boxes a little larger than what they hold make it safe.
-const PADDING: f32 = 5e-7;
 
 fn node_of(workgroup: vec3u, groups: vec3u, local: u32) -> u32 {
     let place = level.x + (workgroup.y * groups.x + workgroup.x) * RAY_WORKGROUP + local;
@@ -41,12 +39,14 @@ fn refit_leaves(
         let vertices = ray_indices[i];
         for (var k = 0u; k < 3u; k++) {
             let corner = positions_world[vertices[k]].xyz;
-            ray_triangles[3u * i + k] = vec4u(bitcast<vec3u>(corner), select(0u, vertices.w, k == 0u));
+            // What else is known of the triangle stands with its other corners.
+            let last = select(ray_triangles[3u * i + k].w, vertices.w, k == 0u);
+            ray_triangles[3u * i + k] = vec4u(bitcast<vec3u>(corner), last);
             low = min(low, corner);
             high = max(high, corner);
         }
     }
-    let padding = PADDING * max(abs(low), abs(high));
+    let padding = BOX_PADDING * max(abs(low), abs(high));
     ray_nodes[node].low = low - padding;
     ray_nodes[node].high = high + padding;
 }

@@ -161,8 +161,13 @@ impl Renderer {
         let has_map = lighting.as_ref().or(in_force).is_some_and(|lighting| !lighting.stands_alone);
         let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, suits);
         let traces_rays = traces_gloss || technique.is_some_and(|technique| technique.traces_rays());
-        let ray_scene = match traces_rays && (is_new || self.ray_scene.is_none()) {
-            true => Some(RayScene::new(gpu, &self.passes.refit, geometry, self.ray_scene.as_ref())?),
+        let needs_edges = technique.is_some_and(|technique| technique.needs_edges());
+        let suffices = |scene: &RayScene| !is_new && (scene.edges.is_some() || !needs_edges);
+        let ray_scene = match traces_rays && !self.ray_scene.as_ref().is_some_and(suffices) {
+            true => {
+                let before = self.ray_scene.as_ref();
+                Some(RayScene::new(gpu, &self.passes.refit, geometry, before, needs_edges)?)
+            }
             false => None,
         };
         // More or fewer lights of the scene need other maps; what is bound of a scene for rays is another with it.
@@ -247,7 +252,10 @@ impl Renderer {
         }
         match rays {
             NextRays::None => self.ray_scene = None,
-            NextRays::New(scene) => self.ray_scene = Some(*scene),
+            NextRays::New(scene) => {
+                self.warnings.extend(scene.edges.iter().flat_map(|edges| edges.faults.iter().cloned()));
+                self.ray_scene = Some(*scene);
+            }
             NextRays::Same => {
                 if let Some(scene) = self.ray_scene.as_mut().filter(|_| refit) {
                     scene.moved();

@@ -218,7 +218,8 @@ impl Renderer {
         let scene = LitScene {
             geometry: &self.geometry,
             materials: &self.materials,
-            gbuffer: gbuffer_group,
+            seen: &target.gbuffer,
+            view: &self.view_group,
             points: &target.points,
             is_first_band: is_first,
         };
@@ -272,7 +273,7 @@ impl Renderer {
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
-                | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
+                | flag(lit.technique.is_grainy(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
                 | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS),
             supersample: plan.supersample,

@@ -25,3 +25,4 @@ mod sampling;
 mod truth;
 mod unshadowed;
 mod visibility;
+mod wedges;
