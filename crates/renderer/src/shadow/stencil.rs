@@ -16,9 +16,8 @@ use crate::{Gpu, RenderError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
 
-/// Faces that lie on what is seen are moved towards the viewer: they bound volumes and are not in them.
-const TOWARDS_VIEWER: wgpu::DepthBiasState =
-    wgpu::DepthBiasState { constant: 16, slope_scale: 1.0, clamp: 0.0 };
+/// Ends that lie on what is seen count as behind it: it bounds its volume and is not in it.
+const BEHIND: wgpu::DepthBiasState = wgpu::DepthBiasState { constant: -16, slope_scale: -1.0, clamp: 0.0 };
 
 /// Shadow volumes by depth fail (Crow 1977; Heidmann 1991; Carmack 2000).
 pub(super) struct Stencil;
@@ -166,7 +165,7 @@ impl Passes {
             let state = wgpu::DepthStencilState {
                 format: FORMAT,
                 depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
                 stencil: stencil.clone(),
                 bias,
             };
@@ -174,7 +173,7 @@ impl Passes {
         };
         Ok(Self {
             sides: volume("volume_sides", Default::default())?,
-            ends: volume("volume_ends", TOWARDS_VIEWER)?,
+            ends: volume("volume_ends", BEHIND)?,
             depth,
             depth_layout,
             take,
