@@ -30,8 +30,8 @@ pub(crate) const fn vertex_buffer(
 pub(crate) struct GBuffer {
     /// Parts a side that the samples are drawn in, see `sample_places.wgsl`.
     pub interleave: u32,
-    size: [u32; 2],
-    depth: wgpu::TextureView,
+    pub size: [u32; 2],
+    pub depth: wgpu::TextureView,
     /// Geometry and reflectance, as `gbuffer_packing.wgsl` has them.
     images: [wgpu::TextureView; 2],
     /// As `relief_packing.wgsl` has it, where the scene has relief.
@@ -79,6 +79,14 @@ impl GBufferPass {
         let mut resources = vec![(0, materials.records.as_entire_binding())];
         resources.extend((1..).zip(images));
         gpu.bind_group("gbuffer", &self.read_layout, &resources)
+    }
+}
+
+impl GBuffer {
+    /// Left and upper edge, width and height of every part.
+    pub fn parts(&self) -> impl Iterator<Item = [u32; 4]> + use<> {
+        let (side, [width, height]) = (self.interleave, self.size.map(|side| side / self.interleave));
+        (0..side * side).map(move |part| [part % side * width, part / side * height, width, height])
     }
 }
 

@@ -79,6 +79,8 @@ pub(crate) struct MovedGeometry {
 /// What of an instance a new pose keeps.
 struct Kept {
     mesh: Arc<Mesh>,
+    /// What people know it by.
+    name: String,
     material: Option<MaterialId>,
     mask: Option<Mask>,
     catches: bool,
@@ -122,6 +124,7 @@ impl Mask {
 /// A mesh that is placed, as rays see it.
 pub(crate) struct PlacedMesh<'a> {
     pub mesh: &'a Arc<Mesh>,
+    pub name: &'a str,
     /// Place of its first vertex among the frame's.
     pub first_vertex: u32,
     /// Where it has a mask.
@@ -134,7 +137,11 @@ impl Kept {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
         let mask = Mask::of(scene, &mesh);
         let catches = scene.material(instance.mesh).catches;
-        Self { material: mesh.material, mask, catches, mesh, skin: instance.skin, micromaps: None }
+        let name = match scene.nodes.get(instance.node.0).map(|node| node.name.as_str()) {
+            None | Some("") => format!("mesh {}", instance.mesh.0),
+            Some(node) => format!("mesh {} of {node}", instance.mesh.0),
+        };
+        Self { material: mesh.material, name, mask, catches, mesh, skin: instance.skin, micromaps: None }
     }
 }
 
@@ -317,6 +324,7 @@ impl Geometry {
     pub fn placed_meshes(&self) -> impl Iterator<Item = PlacedMesh<'_>> {
         self.placed.iter().zip(&self.vertices.slots).map(|(kept, slot)| PlacedMesh {
             mesh: &kept.mesh,
+            name: &kept.name,
             first_vertex: slot.first_vertex,
             micromaps: kept.micromaps.as_deref(),
             casts: !kept.catches,

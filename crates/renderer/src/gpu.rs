@@ -32,8 +32,9 @@ pub struct Gpu {
 }
 
 /// Features that are asked for where the adapter has them. A frame of the default techniques needs none.
-const WELCOME_FEATURES: wgpu::Features =
-    wgpu::Features::FLOAT32_FILTERABLE.union(wgpu::Features::TIMESTAMP_QUERY);
+const WELCOME_FEATURES: wgpu::Features = wgpu::Features::FLOAT32_FILTERABLE
+    .union(wgpu::Features::TIMESTAMP_QUERY)
+    .union(wgpu::Features::DEPTH32FLOAT_STENCIL8);
 
 impl Gpu {
     /// Opens the best adapter that `options` allows.

@@ -5,6 +5,7 @@ use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::batch_plan::{Budget, Class, LightNeeds, plan};
+use crate::gbuffer::GBuffer;
 use crate::geometry::Geometry;
 use crate::light_pass::{self, LightPass};
 use crate::light_points::PointsOfLights;
@@ -84,8 +85,9 @@ pub(crate) struct BatchContext<'a> {
 pub(crate) struct LitScene<'a> {
     pub geometry: &'a Geometry,
     pub materials: &'a Materials,
-    /// Bind group of what the camera sees.
-    pub gbuffer: &'a wgpu::BindGroup,
+    /// What the camera sees, and the bind group of its view.
+    pub seen: &'a GBuffer,
+    pub view: &'a wgpu::BindGroup,
     pub points: &'a ShadingPoints,
     /// Of the bands of a picture.
     pub is_first_band: bool,
@@ -360,7 +362,9 @@ impl LightBatches {
             geometry: scene.geometry,
             materials: scene.materials,
             frame: &batch.frame_group,
-            gbuffer: scene.gbuffer,
+            gbuffer: &scene.seen.group,
+            seen: scene.seen,
+            view: scene.view,
             points: scene.points,
             stage,
             lights: FrameLights {

@@ -57,6 +57,8 @@ pub struct Renderer {
     materials: Materials,
     /// Where shadow technique or gloss trace rays.
     ray_scene: Option<RayScene>,
+    /// Of changes, until they are asked for.
+    warnings: Vec<String>,
     near_lights: Vec<PlacedLight>,
     /// Of every material.
     surfaces: Vec<Surface>,
@@ -121,6 +123,7 @@ impl Renderer {
             shared: SharedPasses {
                 shadow_map: ShadowMapPass::new(gpu, &gbuffer.material_layout)?,
                 frame: light_pass::frame_layout(gpu),
+                view: gbuffer.view_layout.clone(),
                 gbuffer: gbuffer.read_layout.clone(),
             },
             relief: ReliefPass::new(gpu, [&gbuffer.view_layout, &gbuffer.material_layout])?,
@@ -149,6 +152,7 @@ impl Renderer {
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene, None)?,
             passes,
             ray_scene: None,
+            warnings: Vec::new(),
             near_lights: Vec::new(),
             surfaces: Vec::new(),
             heights: Vec::new(),

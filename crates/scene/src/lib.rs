@@ -8,6 +8,7 @@ mod animation;
 pub mod builtin;
 mod camera;
 mod camera_settings;
+pub mod edges;
 mod error;
 mod framing;
 mod height;

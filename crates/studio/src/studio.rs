@@ -184,9 +184,11 @@ impl Studio {
         &mut self.renderer
     }
 
-    /// What loaders repaired or ignored since this was asked last, a line each.
+    /// What loaders repaired or ignored since this was asked last, and what the renderer cannot draw as it is, a line each.
     pub fn take_warnings(&mut self) -> Vec<String> {
-        self.stage.take_warnings()
+        let mut warnings = self.stage.take_warnings();
+        warnings.extend(self.renderer.take_warnings());
+        warnings
     }
 
     /// Changes the look: [`Studio::set_look`] of what `change` makes of the present one.

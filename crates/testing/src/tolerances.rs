@@ -245,3 +245,13 @@ pub const BUMP_HORIZONS_WRONG: f64 = 0.05;
 pub const BUMP_PIT: f32 = 0.03;
 /// Relative RMSE of a picture of bumps, shadows and scattered light included, against the traced height field.
 pub const BUMPS: f64 = 0.05;
+/// Visibility by penumbra wedges against an integral over the light's outline, at the worst pixel of a scene whose caster is convex: a
+/// polygon of 16 corners stands for a disk, and the integral has 1600 cells.
+pub const WEDGES: f32 = 0.01;
+
+/// The same of one closed concave caster against all of its triangles, mean over penumbrae: its silhouette as the light's centre sees it stands
+/// for that from every point.
+pub const WEDGES_CONCAVE: f32 = 0.05;
+
+/// The same of two casters one behind the other, whose shares add up.
+pub const WEDGES_TWO_CASTERS: f32 = 0.15;

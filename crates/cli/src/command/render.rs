@@ -120,6 +120,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         stage.set_look(first)?;
     }
     let mut studio = Studio::new(&Gpu::new(&gpu_options)?, stage)?;
+    studio.take_warnings().iter().for_each(|warning| terminal.warn(warning));
     if let Some(view) = &args.debug {
         studio.renderer().set_debug_view(view, args.debug_light)?;
     }

@@ -34,6 +34,7 @@ pub fn render(
     let job = Job::new(args, output, &stage, how)?;
     let [width, height] = stage.look().picture.size;
     let mut studio = Studio::new(&gpu, stage)?;
+    studio.take_warnings().iter().for_each(|warning| terminal.warn(warning));
     if let Some(path) = save_scene {
         studio.save_scene(path)?;
     }

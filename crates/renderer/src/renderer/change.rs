@@ -172,17 +172,21 @@ impl Renderer {
         let has_map = lighting.as_ref().or(in_force).is_some_and(|lighting| !lighting.stands_alone);
         let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, suits);
         let traces_rays = traces_gloss || technique.is_some_and(|technique| technique.traces_rays());
+        let needs_edges = technique.is_some_and(|technique| technique.needs_edges());
         let mirrors_scene = traces_gloss && chosen.settings.paths.reflections == Reflections::Scene;
         let (materials, are_new) = match &scene.materials {
             Some(NextMaterials::New { materials, .. }) => (materials.as_ref(), true),
             _ => (&self.materials, false),
         };
-        let serves = |scene: &RayScene| scene.hits.is_some() == mirrors_scene && !(mirrors_scene && are_new);
-        let ray_scene = match traces_rays && (is_new || !self.ray_scene.as_ref().is_some_and(serves)) {
+        let serves = |scene: &RayScene| {
+            let hits_serve = scene.hits.is_some() == mirrors_scene && !(mirrors_scene && are_new);
+            !is_new && hits_serve && (scene.edges.is_some() || !needs_edges)
+        };
+        let ray_scene = match traces_rays && !self.ray_scene.as_ref().is_some_and(serves) {
             true => {
                 let materials = mirrors_scene.then_some(materials);
                 let before = self.ray_scene.as_ref();
-                Some(RayScene::new(gpu, &self.passes.refit, geometry, materials, before)?)
+                Some(RayScene::new(gpu, &self.passes.refit, geometry, materials, before, needs_edges)?)
             }
             false => None,
         };
@@ -286,7 +290,10 @@ impl Renderer {
         }
         match rays {
             NextRays::None => self.ray_scene = None,
-            NextRays::New(scene) => self.ray_scene = Some(*scene),
+            NextRays::New(scene) => {
+                self.warnings.extend(scene.edges.iter().flat_map(|edges| edges.faults.iter().cloned()));
+                self.ray_scene = Some(*scene);
+            }
             NextRays::Same => {
                 if let Some(scene) = self.ray_scene.as_mut().filter(|_| refit) {
                     scene.moved();

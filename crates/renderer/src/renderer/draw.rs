@@ -232,7 +232,8 @@ impl Renderer {
         let scene = LitScene {
             geometry: &self.geometry,
             materials: &self.materials,
-            gbuffer: gbuffer_group,
+            seen: &target.gbuffer,
+            view: &self.view_group,
             points: &target.points,
             is_first_band: is_first,
         };
@@ -311,7 +312,7 @@ impl Renderer {
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
                 | flag(plan.planes.wide, layout::FLAG_WIDE_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
-                | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
+                | flag(lit.technique.is_grainy(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
                 | flag(mirrors_scene(lit), layout::FLAG_MIRRORED_SCENE)
                 | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS)

@@ -28,3 +28,4 @@ mod sampling;
 mod truth;
 mod unshadowed;
 mod visibility;
+mod wedges;
