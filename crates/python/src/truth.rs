@@ -36,7 +36,7 @@ pub fn reference<'py>(
             width,
             height,
             samples_per_pixel: samples,
-            background: stage.look().display.background,
+            background: stage.look().shows_environment(),
             seed,
             progress: Some(&tell),
             cancel: Some(job.cancel()),
