@@ -35,6 +35,9 @@ pub struct ReferenceOptions<'a> {
     pub samples_per_pixel: u32,
     /// Whether the environment is seen behind the scene.
     pub background: bool,
+    /// Whether glossy lobes reflect the scene, too, as it is in direct light: one more bounce off them. Else they reflect light alone, and
+    /// what the scene hides of it is black.
+    pub reflections: bool,
     /// The same seed gives the same picture, bit for bit.
     pub seed: u64,
     /// Told the finished share, 0..1, now and then, from any thread.
@@ -50,6 +53,7 @@ impl Default for ReferenceOptions<'_> {
             height: 768,
             samples_per_pixel: 256,
             background: true,
+            reflections: true,
             seed: 0,
             progress: None,
             cancel: None,
@@ -155,6 +159,7 @@ pub(crate) fn sky_tracer<'a>(
             .with_near(&scene.placed_lights()),
         unshadowed: None,
         background: options.background.then_some(sky.background),
+        reflections: options.reflections,
         unshadowed_irradiance: Mutex::default(),
     })
 }
@@ -184,7 +189,8 @@ pub fn render_lights(
     let background = options.background.then_some(background);
     let unshadowed_irradiance = Mutex::default();
     let scene = TracedScene::new(scene)?;
-    let tracer = Tracer { scene, shadowed, unshadowed, background, unshadowed_irradiance };
+    let reflections = options.reflections;
+    let tracer = Tracer { scene, shadowed, unshadowed, background, reflections, unshadowed_irradiance };
     estimate(&tracer, camera, options)
 }
 

@@ -126,10 +126,24 @@ impl<'a> TracedScene<'a> {
 
     /// The nearest visible surface along a ray.
     pub(crate) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, |_| true)
+    }
+
+    /// The nearest surface along a ray that blocks light.
+    pub(crate) fn closest_caster(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, |index| !self.catches(index))
+    }
+
+    fn catches(&self, triangle: usize) -> bool {
+        self.instances[self.triangles[triangle].instance as usize].catches
+    }
+
+    fn closest(&self, ray: &Ray, counts: impl Fn(usize) -> bool) -> Option<Hit> {
         let mut nearest = RayHit::none();
         let traversal = traversal_ray(ray)?;
         self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
-            self.distance(ray, index).filter(|&t| t < traversal.tmax).unwrap_or(f32::INFINITY)
+            let met = self.distance(ray, index).filter(|&t| t < traversal.tmax);
+            met.filter(|_| counts(index)).unwrap_or(f32::INFINITY)
         });
         let triangle = nearest.primitive_id;
         let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
@@ -142,8 +156,7 @@ impl<'a> TracedScene<'a> {
         // A lamp may touch what it hangs on: that is behind its front.
         traversal.tmax = distance * (1.0 - END_CLEARANCE);
         !self.bvh.ray_traverse_miss(traversal, |_, index| {
-            let catches = self.instances[self.triangles[index].instance as usize].catches;
-            self.distance(ray, index).filter(|_| !catches).unwrap_or(f32::INFINITY)
+            self.distance(ray, index).filter(|_| !self.catches(index)).unwrap_or(f32::INFINITY)
         })
     }
 

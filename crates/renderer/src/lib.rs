@@ -41,6 +41,7 @@ mod seen;
 mod settings;
 mod shading_points;
 pub mod shadow;
+mod sky_samples;
 #[cfg(test)]
 mod twins;
 pub mod unshadowed;
@@ -48,7 +49,7 @@ mod view_slices;
 
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
-pub use gloss::GlossPath;
+pub use gloss::{GlossPath, Reflections};
 #[cfg(not(target_arch = "wasm32"))]
 pub use gpu::list_adapters;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions};
@@ -57,7 +58,8 @@ pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Change, Frame, LightingChange, Renderer, SceneChange, TimedFrame};
 pub use settings::{
-    Background, DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+    Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
+    TechniqueSettings,
 };
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

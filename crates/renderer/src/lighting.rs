@@ -9,7 +9,7 @@ use gnomon_shaders::layout;
 use crate::ambient::{self, Ambient, AmbientLights};
 use crate::irradiance::Irradiance;
 use crate::light_points::{self, LightPoints};
-use crate::{Gpu, RenderError, RenderSettings};
+use crate::{Gpu, RenderError, RenderSettings, sky_samples};
 
 /// Texels along the side of the environment BRDF's table; the outermost ones stand for 0 and 1.
 const DFG_SIZE: u32 = 32;
@@ -216,6 +216,15 @@ impl Lighting {
             false => lights.iter().map(|light| light.turned(world_from_environment)).collect(),
         };
         (self.lights, self.probes) = (turned(lights), turned(probes));
+    }
+
+    /// Directions in the environment's own frame that stand for all light that comes from it.
+    pub fn sky_samples(&self) -> Vec<(Vec3, Vec3)> {
+        let [lights, _] = &self.fitted;
+        match self.omits_hidden {
+            true => sky_samples::of_lights(lights, &self.points),
+            false => sky_samples::of_map(&self.map),
+        }
     }
 
     /// Lights and probes in the environment's own frame: what is decided by their sizes does not change as it turns.

@@ -56,7 +56,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "debug_view", slots: &[] },
     Entry { module: "downsample", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
-    Entry { module: "gloss", slots: &[] },
+    Entry { module: "gloss", slots: &[("reflections", &["reflections_off", "reflections_scene"])] },
     Entry { module: "layers", slots: &[] },
     Entry { module: "light", slots: &[("shadow", SHADOWS)] },
     Entry { module: "light", slots: &[("shadow", &["shadow_buffered"])] },

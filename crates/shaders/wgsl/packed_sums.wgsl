@@ -102,11 +102,14 @@ fn load_wide_sums(point: u32) -> LightSums {
 }
 
 // Luminance so far, as irradiance that a white surface would reflect: what arrives (x), and what would without shadows (y), as far as
-// that is known. Traced gloss counts without its shadows, which are grainy: grain asks for no more points.
+// that is known. Traced gloss counts without its shadows and the scene, which are grainy: grain asks for no more points.
 fn luminance_so_far(point: u32) -> vec2f {
     var sums = load_sums(point);
     if (view.flags & FLAG_TRACED_GLOSS) != 0u {
         sums.specular_shadowed = sums.specular_unshadowed;
+    }
+    if (view.flags & FLAG_MIRRORED_SCENE) != 0u {
+        sums.specular_near = vec3f(0.0);
     }
     let near = luminance(sums.diffuse_near + PI * sums.specular_near);
     return vec2f(

@@ -13,7 +13,7 @@ use crate::output::{self, Drawn};
 
 /// Ray-trace the truth on the CPU
 ///
-/// Direct light of the whole environment, by importance sampling, on all cores. EXR holds linear radiance, PNG the exposed and
+/// Direct light of the whole environment, by importance sampling, on all cores, and what glossy surfaces reflect of the scene. EXR holds linear radiance, PNG the exposed and
 /// tone-mapped picture.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
@@ -61,6 +61,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
         height: stage.look().picture.size[1],
         samples_per_pixel: args.spp,
         background: stage.look().shows_environment(),
+        reflections: stage.reflects_scene(),
         seed: args.seed,
         ..ReferenceOptions::default()
     };

@@ -8,8 +8,10 @@ use gnomon_scene::{Material, Scene, Texture, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
+mod far;
 
 use arrays::{Plan, TextureArray, TextureUse, same_textures};
+pub(crate) use far::FarMaterials;
 
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::{Gpu, RenderError};
@@ -27,8 +29,9 @@ pub(crate) struct Materials {
     /// Of the scene.
     scene_textures: Vec<Arc<Texture>>,
     arrays: Vec<TextureArray>,
-    /// Parameters that the next frame takes over.
-    changed: Option<MaterialRecords>,
+    now: MaterialRecords,
+    /// Whether the next frame takes over what is now.
+    is_changed: bool,
 }
 
 /// What the GPU knows of materials beside their textures' texels.
@@ -101,10 +104,10 @@ impl Materials {
             |needed| over("sizes and wrappings of one material's textures", needed as u64, slots.into()),
         )?;
 
-        let MaterialRecords { records, textures: references } = records(scene, &plan);
+        let now = records(scene, &plan);
         let storage = wgpu::BufferUsages::STORAGE;
-        let records = gpu.shared_buffer("materials", records.as_slice(), storage);
-        let references = gpu.shared_buffer("material textures", references.as_slice(), storage);
+        let records = gpu.shared_buffer("materials", now.records.as_slice(), storage);
+        let references = gpu.shared_buffer("material textures", now.textures.as_slice(), storage);
         let arrays: Vec<_> = plan
             .arrays
             .iter()
@@ -139,7 +142,8 @@ impl Materials {
             used,
             scene_textures: scene.textures.clone(),
             arrays,
-            changed: None,
+            now,
+            is_changed: false,
         })
     }
 
@@ -153,14 +157,17 @@ impl Materials {
 
     /// Takes such parameters over, for the next frame.
     pub fn change(&mut self, records: MaterialRecords) {
-        self.changed = Some(records);
+        (self.now, self.is_changed) = (records, true);
     }
 
-    /// Brings what has changed to the GPU.
-    pub fn upload(&mut self, gpu: &Gpu) {
-        if let Some(MaterialRecords { records, textures }) = self.changed.take() {
-            gpu.write(&self.records, records.as_slice());
-            gpu.write(&self.textures, textures.as_slice());
+    /// Brings what has changed to the GPU, to reflections as well.
+    pub fn upload(&mut self, gpu: &Gpu, far: Option<&FarMaterials>) {
+        if std::mem::take(&mut self.is_changed) {
+            gpu.write(&self.records, self.now.records.as_slice());
+            gpu.write(&self.textures, self.now.textures.as_slice());
+            if let Some(far) = far {
+                far.write(gpu, self);
+            }
         }
     }
 

@@ -305,6 +305,7 @@ impl Renderer {
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
                 | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
+                | flag(mirrors_scene(lit), layout::FLAG_MIRRORED_SCENE)
                 | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
@@ -325,7 +326,7 @@ impl Renderer {
     fn sum_planes(&self) -> SumPlanes {
         SumPlanes {
             specular: self.surfaces.iter().any(|surface| !surface.is_matte()),
-            near: !self.near_lights.is_empty(),
+            near: !self.near_lights.is_empty() || self.state.lit.as_ref().is_some_and(mirrors_scene),
             wide: self.has_wide_sums,
         }
     }
@@ -384,4 +385,8 @@ impl Renderer {
             seen: None,
         })
     }
+}
+
+fn mirrors_scene(lit: &Lit) -> bool {
+    lit.gloss.as_ref().is_some_and(|gloss| gloss.mirrors_scene)
 }

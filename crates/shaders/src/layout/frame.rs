@@ -33,8 +33,10 @@ super::constants! {
     pub const FLAG_TRACED_GLOSS: u32 = 64;
     /// [`View::flags`]: unshadowed specular light is that of samples of the lobe.
     pub const FLAG_SAMPLED_GLOSS: u32 = 128;
+    /// [`View::flags`]: among the specular sums of near light is what lobes reflect of the scene.
+    pub const FLAG_MIRRORED_SCENE: u32 = 256;
     /// [`View::flags`]: sums of light are kept in floats.
-    pub const FLAG_WIDE_SUMS: u32 = 256;
+    pub const FLAG_WIDE_SUMS: u32 = 512;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
