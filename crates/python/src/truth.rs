@@ -37,6 +37,7 @@ pub fn reference<'py>(
             height,
             samples_per_pixel: samples,
             background: stage.look().shows_environment(),
+            reflections: stage.reflects_scene(),
             seed,
             progress: Some(&tell),
             cancel: Some(job.cancel()),
