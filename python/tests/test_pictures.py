@@ -141,7 +141,7 @@ def test_points_are_projected_to_where_they_are_drawn(renderer, room):
     scene = gnomon.Scene()
     scene.add_mesh("dot", 0.1 * (vertices - 0.5) + (0.4, 0.3, -0.2), triangles)
     camera = gnomon.Camera(eye=(1, 2, 3), target=(0, 0, 0), fov=40, shift=(0.05, -0.1))
-    options = {**QUICK, "background": False}
+    options = {**QUICK, "background": "none"}
     seen = renderer.render(scene, camera, room, SIZE, **options).sum(axis=2) > 0
     rows, columns = np.nonzero(seen)
     [[column, row, depth]] = camera.project([(0.4, 0.3, -0.2)], SIZE)

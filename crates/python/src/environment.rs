@@ -29,6 +29,9 @@ pub struct Environment {
     keywords: Arc<Py<PyDict>>,
 }
 
+/// What a pickled environment is restored from: source, options, turn.
+type Pickled = (Py<PyAny>, Py<PyDict>, f32);
+
 /// What an environment is read from.
 enum Source {
     /// The look names it.
@@ -160,9 +163,7 @@ impl Environment {
         )
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Py<PyAny>, Py<PyDict>, f32))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
         let py = slf.py();
         let this = slf.get();
         if this.source.bind(py).is_none() {

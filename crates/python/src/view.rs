@@ -2,7 +2,7 @@
 
 use gnomon::lights::fit::FitSettings;
 use gnomon::options::OptionSpec;
-use gnomon::renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
+use gnomon::renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon::studio::{
     AnimationLook, CameraLook, Look, PictureSettings, Project, Stage, StudioError, Surroundings,
 };
@@ -18,7 +18,10 @@ use crate::scene::Scene;
 /// Options that a picture may have of its own.
 pub type PictureOptions = (
     FitSettings,
-    (LightingSettings, (TechniqueSettings, (PictureSettings, (DisplaySettings, AnimationLook)))),
+    (
+        LightPaths,
+        (LightingSettings, (TechniqueSettings, (PictureSettings, (DisplaySettings, AnimationLook)))),
+    ),
 );
 
 /// Everything that a stage is made of. It can go to another thread, and what becomes of the scene meanwhile is nothing to it.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{Given, Options};
-use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
+use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Camera, Projection, builtin};
 use gnomon_scene_files::EnvironmentSource;
 use serde::Deserialize;
@@ -28,7 +28,10 @@ struct Tables {
     material: Vec<MaterialTable>,
     #[serde(default, deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
-    #[serde(default, deserialize_with = "Given::deserialize::<(LightingSettings, TechniqueSettings), _>")]
+    #[serde(
+        default,
+        deserialize_with = "Given::deserialize::<(LightPaths, (LightingSettings, TechniqueSettings)), _>"
+    )]
     render: Given,
     #[serde(default, deserialize_with = "Given::deserialize::<(PictureSettings, DisplaySettings), _>")]
     display: Given,
