@@ -20,7 +20,8 @@ function notice(text: string, isBad = false): void {
   line.append(make("button", { type: "button", "aria-label": "dismiss", click: () => line.remove() }, "✕"));
   list.append(line);
   while (list.children.length > MOST_NOTICES) list.firstElementChild?.remove();
-  setTimeout(() => line.remove(), NOTICE_LASTS);
+  // What went wrong stays until it is dismissed or pushed out.
+  if (!isBad) setTimeout(() => line.remove(), NOTICE_LASTS);
 }
 
 function fail(error: unknown): void {
