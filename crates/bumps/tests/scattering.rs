@@ -45,7 +45,8 @@ fn a_spherical_pit_scatters_as_its_closed_form() {
             let expected = (1.0 - share) * albedo * share / (1.0 - albedo * share);
             // A uniform sky gives an open surface the irradiance 1 and has no mean direction.
             let found = mean(&texels, |texel| prepared.scattered[texel].irradiance(Vec3::Z, albedo));
-            // Four bounces of the same, one after the other.
+            // Four bounces of the same, one after the other: each has rho s of the one before, so that what is beyond them is known, too.
+            let of_four = expected * (1.0 - (albedo * share).powi(4));
             let open = vec![[1.0 - share]; (SIDE * SIDE) as usize];
             let (mut left, mut chained) =
                 (open.iter().map(|e| e.map(|e| e * albedo)).collect::<Vec<_>>(), 0.0);
@@ -62,8 +63,8 @@ fn a_spherical_pit_scatters_as_its_closed_form() {
                 "share {share}, albedo {albedo}: {found} {expected}"
             );
             assert!(
-                (chained / expected - 1.0).abs() < BUMP_PIT,
-                "share {share}, albedo {albedo}: {chained} {expected}"
+                (chained / of_four - 1.0).abs() < BUMP_PIT,
+                "share {share}, albedo {albedo}: {chained} {of_four}"
             );
         }
     }
@@ -81,7 +82,7 @@ fn energy_never_grows() {
     let prepared = Prepared::new(&map, 1.0, Vec2::ONE, Shape::Ellipses, true);
     let field = Field::new(&map, 1.0, Vec2::ONE);
     for l in [Vec3::Z, Vec3::new(0.8, 0.0, 0.6), Vec3::new(-0.3, -0.9, 0.3).normalize()] {
-        for albedo in [0.5, 1.0] {
+        for albedo in [0.5, 0.9] {
             // Per area of the base: a texel's own area is larger by the cosine of its slope.
             let absorbed: f32 = (0..(side * side) as usize)
                 .map(|texel| {
