@@ -29,6 +29,7 @@ mod files;
 mod frame_rate;
 mod job;
 mod look;
+mod paper;
 mod pose;
 mod project;
 mod save;
@@ -51,6 +52,7 @@ pub use gnomon_metrics::SampledError;
 pub use look::{
     AnimationLook, CameraLook, ENVIRONMENT, EnvironmentLook, Look, PictureSettings, SCENE, SceneLook,
 };
+pub use paper::Paper;
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
 pub use stage::Stage;
