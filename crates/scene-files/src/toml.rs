@@ -81,6 +81,8 @@ struct SceneFile {
     #[serde(default)]
     light: Vec<Spanned<light::LightEntry>>,
     // How the scene is drawn is read by whoever draws it, through `read_sections`.
+    #[serde(rename = "paper")]
+    _paper: Option<IgnoredAny>,
     #[serde(rename = "fit")]
     _fit: Option<IgnoredAny>,
     #[serde(rename = "render")]

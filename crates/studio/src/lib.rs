@@ -33,6 +33,7 @@ mod frame_rate;
 mod job;
 mod look;
 mod pace;
+mod paper;
 mod pose;
 mod project;
 mod save;
@@ -59,6 +60,7 @@ pub use look::{
     AnimationLook, CameraLook, ENVIRONMENT, EnvironmentLook, Look, PictureSettings, SCENE, SceneLook,
 };
 pub use pace::Pace;
+pub use paper::Paper;
 pub use pose::Clip;
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};

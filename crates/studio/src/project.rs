@@ -14,7 +14,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::environment::surroundings_of;
 use crate::look::{AnimationLook, CameraLook, EnvironmentLook, PictureSettings, SceneLook};
-use crate::{Look, SceneFiles, StudioError, Surroundings};
+use crate::{Look, Paper, SceneFiles, StudioError, Surroundings};
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,6 +96,7 @@ pub struct Project {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Sections {
+    paper: Paper,
     #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
     #[serde(
@@ -159,7 +160,8 @@ impl Project {
             SceneSource::File(path) => read_sections::<Sections>(path, &FileResolver)?,
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
-        let Sections { fit, render, display, animation, environment, surface } = sections.unwrap_or_default();
+        let Sections { paper, fit, render, display, animation, environment, surface } =
+            sections.unwrap_or_default();
         let folder = match &source {
             SceneSource::Builtin(_) | SceneSource::Made(_) => None,
             SceneSource::File(path) => path.parent(),
@@ -169,7 +171,9 @@ impl Project {
         let environment =
             environment.map_files::<EnvironmentLook>(|file| folder.join(file).to_string_lossy().into_owned());
         (look.scene, look.animation) = Default::default();
-        [&fit, &render, &display, &animation, given].into_iter().for_each(|given| given.apply(&mut look));
+        [&paper.given(), &fit, &render, &display, &animation, given]
+            .into_iter()
+            .for_each(|given| given.apply(&mut look));
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
         look.surfaces = BTreeMap::new();
