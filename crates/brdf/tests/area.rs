@@ -12,13 +12,13 @@ use support::direction;
 const ROUGHNESSES: [f32; 3] = [0.5, 0.33, 0.18];
 
 /// Lobes of every model that integrates them over lights; GGX only widens.
-fn cases() -> impl Iterator<Item = (Model, [Lobe; 3])> {
+fn cases() -> impl Iterator<Item = (Model, [Lobe<'static>; 3])> {
     let integrated = glossy_models().filter(|model| *model != Model::MetallicRoughness);
     integrated.map(|model| (model, ROUGHNESSES.map(|roughness| white(model, roughness))))
 }
 
 /// A white lobe.
-fn white(model: Model, roughness: f32) -> Lobe {
+fn white(model: Model, roughness: f32) -> Lobe<'static> {
     Lobe { tint: Vec4::ONE, ..glossy_surface(model, roughness).layers().lobe }
 }
 

@@ -54,7 +54,7 @@ impl Tracer<'_> {
         [direction, choice]: [DVec2; 2],
     ) -> Vec3 {
         let frame = &point.frame;
-        let layers = point.surface.layers();
+        let layers = point.layers();
         let wo_local = frame.local_from_world(wo);
         let lifted = point.lifted();
         let light = light.aim(lifted, frame.n);

@@ -1,6 +1,8 @@
+use std::sync::Arc;
+
 use glam::{Mat3, Vec3, Vec3A};
-use gnomon_brdf::{Frame, Surface};
-use gnomon_scene::{MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
+use gnomon_brdf::{Frame, Layers, Surface, Tables};
+use gnomon_scene::{Material, MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -31,6 +33,8 @@ struct Instance {
     normal_from_mesh: Mat3,
     /// -1 where its placement mirrors it, else 1.
     handedness: f32,
+    /// Of its material, where its model is tabulated.
+    tables: Option<Arc<Tables>>,
     /// Has an alpha mask.
     has_holes: bool,
     /// Its vertices, where a skin or morph targets move them.
@@ -56,7 +60,7 @@ pub(crate) struct Hit {
 
 /// A hit, ready for shading.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HitPoint {
+pub(crate) struct HitPoint<'a> {
     /// World space [m], on the triangle up to rounding.
     pub(crate) position: Vec3,
     /// Unit normal of the triangle's plane, world space, on the viewer's side.
@@ -65,11 +69,17 @@ pub(crate) struct HitPoint {
     pub(crate) frame: Frame,
     /// Distance along the normal that clears the rounding of `position` [m].
     pub(crate) clearance: f32,
-    pub(crate) surface: Surface,
+    surface: Surface,
+    tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
 }
 
-impl HitPoint {
+impl<'a> HitPoint<'a> {
+    /// Its reflectance.
+    pub(crate) fn layers(&self) -> Layers<'a> {
+        self.surface.layers().with_tables(self.tables)
+    }
+
     /// Start of a shadow ray on the viewer's side of the surface.
     pub(crate) fn lifted(&self) -> Vec3 {
         self.position + self.geometric_normal * self.clearance
@@ -85,6 +95,7 @@ impl<'a> TracedScene<'a> {
         let mut instances = Vec::new();
         let mut triangles = Vec::with_capacity(count);
         let pose = scene.pose();
+        let tables: Vec<_> = scene.materials.iter().map(Material::reflectance_tables).collect();
         for placed in scene.instances() {
             let instance = instances.len() as u32;
             let world_from_mesh = placed.world_from_mesh;
@@ -109,6 +120,7 @@ impl<'a> TracedScene<'a> {
             };
             instances.push(Instance {
                 mesh: placed.mesh,
+                tables: mesh.material.and_then(|material| tables[material.0].clone()),
                 normal_from_mesh,
                 handedness,
                 has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
@@ -140,7 +152,7 @@ impl<'a> TracedScene<'a> {
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
-    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint {
+    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint<'_> {
         let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
         let index = triangle.index as usize;
@@ -164,6 +176,7 @@ impl<'a> TracedScene<'a> {
             frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
             clearance: CLEARANCE * largest,
             surface: point.surface,
+            tables: instance.tables.as_deref(),
             emissive: point.emissive,
         }
     }

@@ -52,6 +52,7 @@ impl GBufferPass {
         let images = [depth, geometry, reflectance].map(wgpu::BindingResource::TextureView);
         let mut resources = vec![(0, materials.records.as_entire_binding())];
         resources.extend((1..).zip(images));
+        resources.extend(materials.tables.resources());
         gpu.bind_group("gbuffer", &self.read_layout, &resources)
     }
 }
@@ -71,12 +72,13 @@ impl GBufferPass {
         let material_layout = crate::materials::material_layout(gpu);
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let view_layout = gpu.layout("view", stages, &[(0, Binding::Uniform)]);
-        let read = [
+        let mut read = vec![
             (0, Binding::Storage { read_only: true }),
             (1, Binding::Depth { dimension: D2 }),
             (2, Binding::UintTexture),
             (3, Binding::UintTexture),
         ];
+        read.extend(crate::materials::tables::bindings());
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
         let shader = gpu.shader("gbuffer", &[])?;
         let attribute = |array_stride, attributes| {

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use glam::{UVec2, Vec4};
-use gnomon_brdf::ROUGHNESS;
+use gnomon_brdf::{Model, ROUGHNESS, Surface};
 use gnomon_scene::{Material, Scene, Texture, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
+pub(crate) mod tables;
 
 use arrays::{Plan, TextureArray, TextureUse, same_textures};
+use tables::{PackedTables, TableTextures, TabulatedMaterials};
 
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::{Gpu, RenderError};
@@ -27,6 +29,9 @@ pub(crate) struct Materials {
     /// Of the scene.
     scene_textures: Vec<Arc<Texture>>,
     arrays: Vec<TextureArray>,
+    tabulated: TabulatedMaterials,
+    /// Reflectances that are tables.
+    pub tables: TableTextures,
     /// Parameters that the next frame takes over.
     changed: Option<MaterialRecords>,
 }
@@ -35,6 +40,8 @@ pub(crate) struct Materials {
 pub(crate) struct MaterialRecords {
     records: Vec<layout::Material>,
     textures: Vec<layout::MaterialTexture>,
+    /// Where they are others than before.
+    tables: Option<(TabulatedMaterials, PackedTables)>,
 }
 
 /// The G-buffer numbers materials with 16 bits.
@@ -101,7 +108,10 @@ impl Materials {
             |needed| over("sizes and wrappings of one material's textures", needed as u64, slots.into()),
         )?;
 
-        let MaterialRecords { records, textures: references } = records(scene, &plan);
+        let tabulated =
+            TabulatedMaterials::new(scene.materials.iter(), before.map(|before| &before.tabulated));
+        let tables = TableTextures::new(gpu, &tabulated.packed(gpu)?);
+        let (records, references) = records(scene, &plan, &tabulated);
         let storage = wgpu::BufferUsages::STORAGE;
         let records = gpu.shared_buffer("materials", records.as_slice(), storage);
         let references = gpu.shared_buffer("material textures", references.as_slice(), storage);
@@ -139,16 +149,24 @@ impl Materials {
             used,
             scene_textures: scene.textures.clone(),
             arrays,
+            tabulated,
+            tables,
             changed: None,
         })
     }
 
-    /// New parameters of the same materials; `None` where their number or a texture is another.
-    pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
+    /// New parameters of the same materials; `None` where their number or a texture is another, or tables are of other sizes.
+    pub fn records_of(&self, gpu: &Gpu, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
         let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
-        (same_uses && same_textures(&scene.textures, &self.scene_textures))
-            .then(|| records(scene, &self.plan))
+        if !same_uses || !same_textures(&scene.textures, &self.scene_textures) {
+            return None;
+        }
+        let tabulated = TabulatedMaterials::new(scene.materials.iter(), Some(&self.tabulated));
+        let packed = tabulated.packed(gpu).ok().filter(|packed| self.tables.has_room_for(packed))?;
+        let (records, textures) = records(scene, &self.plan, &tabulated);
+        let tables = (!tabulated.has_those_of(&self.tabulated)).then_some((tabulated, packed));
+        Some(MaterialRecords { records, textures, tables })
     }
 
     /// Takes such parameters over, for the next frame.
@@ -158,9 +176,12 @@ impl Materials {
 
     /// Brings what has changed to the GPU.
     pub fn upload(&mut self, gpu: &Gpu) {
-        if let Some(MaterialRecords { records, textures }) = self.changed.take() {
-            gpu.write(&self.records, records.as_slice());
-            gpu.write(&self.textures, textures.as_slice());
+        let Some(MaterialRecords { records, textures, tables }) = self.changed.take() else { return };
+        gpu.write(&self.records, records.as_slice());
+        gpu.write(&self.textures, textures.as_slice());
+        if let Some((tabulated, packed)) = tables {
+            self.tables.write(gpu, &packed);
+            self.tabulated = tabulated;
         }
     }
 
@@ -176,7 +197,11 @@ impl Materials {
 }
 
 /// Of every material, the default one last.
-fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
+fn records(
+    scene: &Scene,
+    plan: &Plan,
+    tabulated: &TabulatedMaterials,
+) -> (Vec<layout::Material>, Vec<layout::MaterialTexture>) {
     let (mut records, mut references) = (Vec::new(), Vec::new());
     let default = Material::default();
     for (number, material) in scene.materials.iter().chain([&default]).enumerate() {
@@ -197,14 +222,19 @@ fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
             });
         }
         let end_texture = references.len() as u32;
-        records.push(layout::Material { first_texture, end_texture, ..record(material) });
+        let tables = tabulated.number(number);
+        records.push(layout::Material { first_texture, end_texture, ..record(material, tables) });
     }
-    MaterialRecords { records, textures: references }
+    (records, references)
 }
 
-/// A material without its textures.
-fn record(material: &Material) -> layout::Material {
-    let surface = material.surface.of_its_model();
+/// A material without its textures, whose reflectance has the tables of a number.
+fn record(material: &Material, tables: Option<usize>) -> layout::Material {
+    let mut surface = material.surface.of_its_model();
+    if surface.model.is_tabulated() && tables.is_none() {
+        // Nothing glossy without tables, as on the CPU.
+        surface = Surface { model: Model::Lambert, ..surface }.of_its_model();
+    }
     layout::Material {
         base_color: surface.base_color.extend(material.alpha),
         emissive: material.emissive,
@@ -216,7 +246,7 @@ fn record(material: &Material) -> layout::Material {
         alpha_cutoff: material.alpha_mode.cutoff().unwrap_or(0.0),
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
         model: surface.model as u32,
-        shape: surface.shape(),
+        shape: tables.map_or(surface.shape(), |number| number as f32),
         ..Default::default()
     }
 }
