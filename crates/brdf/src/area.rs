@@ -16,12 +16,6 @@ pub struct LightPatch {
     pub half_height: Vec3,
     /// Whether it is an ellipse rather than a parallelogram.
     pub is_disk: bool,
-    /// Solid angle [sr].
-    pub solid_angle: f32,
-    /// Unit vector to its point nearest to the mirrored view; to its middle where it is infinitely far.
-    pub nearest: Vec3,
-    /// Whether it is infinitely far.
-    pub is_distant: bool,
 }
 
 /// Error function, absolute error 1.5e-7 (Abramowitz and Stegun 1964, 7.1.26), its series where that is the better.

@@ -34,22 +34,28 @@ pub(crate) fn angle_from_cosine(cosine: f32) -> f32 {
     ((1.0 - cosine).max(0.0) * (1.0 + cosine)).sqrt().atan2(cosine)
 }
 
-/// The lobe over an area light: Gaussian in the plane of half vectors, its middle `distance` away. `density` brings the share of that
-/// Gaussian to the density of microfacets; cosine, masking and Fresnel are taken at the light's middle.
+/// The lobe over an area light of which `on_light` is the microfacets' share. Cosine, `masking` over the microfacet denominator, and Fresnel
+/// are taken at the light's middle.
 pub(crate) fn light_lobe(
     lobe: &Lobe,
     wo: Vec3,
     light: &LightPatch,
-    masking_slope: f32,
-    share: impl Fn(&HalfVectorPatch, f32) -> f32,
+    masking: impl Fn(f32, f32) -> f32,
+    on_light: impl Fn(&HalfVectorPatch) -> f32,
 ) -> Vec3 {
     let Some(patch) = HalfVectorPatch::new(wo, light) else { return Vec3::ZERO };
-    let on_light = share(&patch, lobe.shape * FRAC_1_SQRT_2);
-    let n_dot_v = wo.z.max(MIN_N_DOT_V);
     let n_dot_l = light.direction.z;
-    let masking =
-        g1_smith_beckmann(n_dot_v, masking_slope) * g1_smith_beckmann(n_dot_l, masking_slope) / n_dot_v;
-    lobe.schlick(on_light * patch.v_dot_h * masking, patch.v_dot_h)
+    // The microfacet turns by half as much as the light: a quarter of its solid angle over v.h.
+    let arriving = 4.0 * n_dot_l * masking(wo.z.max(MIN_N_DOT_V), n_dot_l) * patch.v_dot_h;
+    lobe.schlick(on_light(&patch) * arriving, patch.v_dot_h)
+}
+
+/// Share of microfacets with Gaussian slopes of this root mean square that mirror a light. The slope's own plane would be exact, but
+/// stretches a light at grazing half vectors without bound.
+pub(crate) fn gaussian_slopes_on(patch: &HalfVectorPatch, slope: f32) -> f32 {
+    let c = patch.n_dot_h;
+    let tangent = ((1.0 - c).max(0.0) * (1.0 + c)).sqrt() / c;
+    patch.share(tangent, slope * FRAC_1_SQRT_2) / (c * c * c * c)
 }
 
 /// Density of the mirrored direction, that of the microfacet's normal being `pdf_normal` (Walter et al. 2007, eq. 14).

@@ -283,15 +283,7 @@ fn highlights() {
                 let middle = (Vec3::new(-wo.x, -wo.y, wo.z) + aside).normalize();
                 let (x, y) = middle.any_orthonormal_pair();
                 let (half_width, half_height) = (x * half, y * half);
-                let light = LightPatch {
-                    direction: middle,
-                    half_width,
-                    half_height,
-                    is_disk: false,
-                    solid_angle: 4.0 * half * half,
-                    nearest: middle,
-                    is_distant: true,
-                };
+                let light = LightPatch { direction: middle, half_width, half_height, is_disk: false };
                 let steps = 64;
                 let truth = (0..steps * steps)
                     .map(|j| {
@@ -301,7 +293,7 @@ fn highlights() {
                         f64::from(lobe.value(wo, wi).x * wi.z.max(0.0))
                     })
                     .sum::<f64>()
-                    * f64::from(light.solid_angle)
+                    * f64::from(4.0 * half * half)
                     / f64::from(steps * steps);
                 error2 += (f64::from(lobe.over_light(wo, &light).x) - truth).powi(2);
                 value2 += truth * truth;

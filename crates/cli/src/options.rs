@@ -3,12 +3,14 @@
 mod environment;
 mod gpu;
 mod inputs;
+mod layers;
 mod look;
 mod sequence;
 
 pub use environment::{environment_help, load_environment};
 pub use gpu::GpuArgs;
 pub use inputs::{InputArgs, stage};
+pub use layers::LayerArgs;
 pub use look::{Fitted, LookArgs};
 pub use sequence::SequenceArgs;
 

@@ -37,4 +37,6 @@ pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
 pub use pixels::trace_pixels;
 pub use progressive::Progressive;
-pub use render::{Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, Sky, render, render_lights};
+pub use render::{
+    Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, Sky, render, render_lights, render_with_alpha,
+};

@@ -1,10 +1,10 @@
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
 
 use glam::{DVec3, UVec2, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::{DistantLight, LightSet};
-use gnomon_picture::RgbImage;
+use gnomon_picture::{LUMINANCE, RgbImage};
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
 
@@ -35,6 +35,9 @@ pub struct ReferenceOptions<'a> {
     pub samples_per_pixel: u32,
     /// Whether the environment is seen behind the scene.
     pub background: bool,
+    /// Whether glossy lobes reflect the scene, too, as it is in direct light: one more bounce off them. Else they reflect light alone, and
+    /// what the scene hides of it is black.
+    pub reflections: bool,
     /// The same seed gives the same picture, bit for bit.
     pub seed: u64,
     /// Told the finished share, 0..1, now and then, from any thread.
@@ -50,6 +53,7 @@ impl Default for ReferenceOptions<'_> {
             height: 768,
             samples_per_pixel: 256,
             background: true,
+            reflections: true,
             seed: 0,
             progress: None,
             cancel: None,
@@ -116,6 +120,33 @@ pub fn render<'a>(
     estimate(&sky_tracer(scene, sky, options)?, camera, options)
 }
 
+/// The scene without anything behind it, and how much each pixel hides of what is put there, row by row from the top: by two pictures of the same
+/// samples, before black and before white.
+///
+/// # Errors
+/// See [`ReferenceError`].
+pub fn render_with_alpha<'a>(
+    scene: &Scene,
+    camera: &Camera,
+    environment: impl Into<Sky<'a>>,
+    options: &ReferenceOptions,
+) -> Result<(Estimate, Vec<f32>), ReferenceError> {
+    let sky = environment.into();
+    let black = ReferenceOptions { background: false, ..*options };
+    let white = Equirect::new(RgbImage::filled(2, 1, Vec3::ONE));
+    let estimate = render(scene, camera, sky, &black)?;
+    let over_white = render(
+        scene,
+        camera,
+        Sky { background: &white, ..sky },
+        &ReferenceOptions { background: true, ..*options },
+    )?;
+    let pairs = over_white.mean.texels().iter().zip(estimate.mean.texels());
+    let alpha =
+        pairs.map(|(white, black)| (1.0 - (*white - *black).dot(LUMINANCE)).clamp(0.0, 1.0)).collect();
+    Ok((estimate, alpha))
+}
+
 /// The scene under a sky, ready to be traced.
 pub(crate) fn sky_tracer<'a>(
     scene: &'a Scene,
@@ -128,6 +159,8 @@ pub(crate) fn sky_tracer<'a>(
             .with_near(&scene.placed_lights()),
         unshadowed: None,
         background: options.background.then_some(sky.background),
+        reflections: options.reflections,
+        unshadowed_irradiance: Mutex::default(),
     })
 }
 
@@ -154,7 +187,10 @@ pub fn render_lights(
     };
     let shadowed = shadowed.with_near(&scene.placed_lights());
     let background = options.background.then_some(background);
-    let tracer = Tracer { scene: TracedScene::new(scene)?, shadowed, unshadowed, background };
+    let unshadowed_irradiance = Mutex::default();
+    let scene = TracedScene::new(scene)?;
+    let reflections = options.reflections;
+    let tracer = Tracer { scene, shadowed, unshadowed, background, reflections, unshadowed_irradiance };
     estimate(&tracer, camera, options)
 }
 

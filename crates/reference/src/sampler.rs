@@ -14,6 +14,16 @@ pub(crate) enum Decision {
     UnshadowedDirection,
     /// The choices for the light that casts no shadows.
     UnshadowedChoice,
+    /// Direction in which a glossy lobe sees the scene.
+    Mirrored,
+    /// The same as those above, where it meets the scene.
+    MirroredDirection,
+    /// The choices there.
+    MirroredChoice,
+    /// Direction of the light that casts no shadows there.
+    MirroredUnshadowedDirection,
+    /// The choices for it.
+    MirroredUnshadowedChoice,
 }
 
 /// Owen-scrambled Sobol points, two dimensions at a time, every pair of dimensions shuffled and scrambled on its own

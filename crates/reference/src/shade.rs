@@ -1,4 +1,7 @@
-use glam::{DVec2, Vec3};
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use glam::{DVec2, DVec3, Vec3};
 use gnomon_envmap::Equirect;
 
 use crate::Ray;
@@ -15,6 +18,10 @@ pub(crate) struct Tracer<'a> {
     pub(crate) unshadowed: Option<Illumination<'a>>,
     /// What the camera sees behind the scene, black where there is none.
     pub(crate) background: Option<&'a Equirect>,
+    /// Whether glossy lobes reflect the scene as well as the light.
+    pub(crate) reflections: bool,
+    /// Unshadowed irradiance of catchers, by the bits of their normal: level ones have one or two.
+    pub(crate) unshadowed_irradiance: Mutex<HashMap<[u32; 3], Vec3>>,
 }
 
 /// Share of the samples that follow the reflectance of a matte surface; the others follow the light, which is aimed by the
@@ -28,19 +35,85 @@ impl Tracer<'_> {
     /// One unbiased estimate of the radiance that arrives along a camera ray.
     pub(crate) fn radiance(&self, ray: &Ray, sequence: &Sequence, index: u32) -> Vec3 {
         let Some(hit) = self.scene.closest_hit(ray) else {
-            return self.background.map_or(Vec3::ZERO, |map| map.seen(ray.direction));
+            return self.behind(ray);
         };
         let wo = -ray.direction;
         let point = self.scene.hit_point(&hit, wo);
-        let mut numbers =
-            [Decision::Direction, Decision::Choice].map(|decision| sequence.pair(index, decision));
-        let mut radiance = point.emissive + self.reflected(&point, wo, &self.shadowed, true, numbers);
-        if let Some(unshadowed) = &self.unshadowed {
-            numbers = [Decision::UnshadowedDirection, Decision::UnshadowedChoice]
-                .map(|decision| sequence.pair(index, decision));
-            radiance += self.reflected(&point, wo, unshadowed, false, numbers);
+        let numbers = |decisions: [Decision; 4]| decisions.map(|decision| sequence.pair(index, decision));
+        let direct = self.direct(
+            &point,
+            wo,
+            numbers([
+                Decision::Direction,
+                Decision::Choice,
+                Decision::UnshadowedDirection,
+                Decision::UnshadowedChoice,
+            ]),
+        );
+        if point.catches {
+            return self.behind(ray) * self.share_left(&point, direct);
         }
-        radiance
+        if !(self.reflections && point.layers().lobe.is_present()) {
+            return direct;
+        }
+        let mirrored = Decision::Mirrored;
+        let beyond = numbers([
+            Decision::MirroredDirection,
+            Decision::MirroredChoice,
+            Decision::MirroredUnshadowedDirection,
+            Decision::MirroredUnshadowedChoice,
+        ]);
+        direct + self.mirrored(&point, wo, sequence.pair(index, mirrored), beyond)
+    }
+
+    /// What a surface sends towards `wo` of direct light, and of its own.
+    fn direct(&self, point: &HitPoint, wo: Vec3, [a, b, c, d]: [DVec2; 4]) -> Vec3 {
+        let shadowed = self.reflected(point, wo, &self.shadowed, true, [a, b]);
+        let unshadowed = self.unshadowed.as_ref();
+        let unshadowed =
+            unshadowed.map_or(Vec3::ZERO, |light| self.reflected(point, wo, light, false, [c, d]));
+        let emissive = if point.catches { Vec3::ZERO } else { point.emissive };
+        emissive + shadowed + unshadowed
+    }
+
+    /// What the glossy lobe reflects towards `wo` of the scene in direct light: one sample of the lobe.
+    fn mirrored(&self, point: &HitPoint, wo: Vec3, direction: DVec2, beyond: [DVec2; 4]) -> Vec3 {
+        let (frame, lobe) = (&point.frame, point.layers().lobe);
+        let wo_local = frame.local_from_world(wo);
+        let wi_local = lobe.sample(wo_local, to_vec2(direction));
+        let pdf = lobe.pdf(wo_local, wi_local);
+        if pdf <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let wi = frame.world_from_local(wi_local).normalize();
+        let reflectance = lobe.value(wo_local, wi_local) * (wi_local.z / pdf);
+        if reflectance == Vec3::ZERO || wi.dot(point.geometric_normal) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let Some(hit) = self.scene.closest_caster(&Ray { origin: point.lifted(), direction: wi }) else {
+            return Vec3::ZERO;
+        };
+        let seen = self.scene.hit_point(&hit, -wi);
+        reflectance * self.direct(&seen, -wi, beyond)
+    }
+
+    /// What the camera sees along a ray that meets nothing.
+    fn behind(&self, ray: &Ray) -> Vec3 {
+        self.background.map_or(Vec3::ZERO, |map| map.seen(ray.direction))
+    }
+
+    /// Share of the unshadowed light of a catcher that an estimate of what it reflects stands for.
+    fn share_left(&self, point: &HitPoint, reflected: Vec3) -> Vec3 {
+        let n = point.frame.n;
+        let full = || {
+            let unshadowed = self.unshadowed.as_ref().map_or(DVec3::ZERO, |light| light.irradiance(n));
+            (self.shadowed.irradiance(n) + unshadowed).as_vec3()
+        };
+        let mut known = self.unshadowed_irradiance.lock().unwrap_or_else(PoisonError::into_inner);
+        let full = *known.entry(n.to_array().map(f32::to_bits)).or_insert_with(full);
+        drop(known);
+        let irradiance = reflected * std::f32::consts::PI / point.surface.base_color;
+        Vec3::select(full.cmpgt(Vec3::splat(1e-20)), irradiance / full, Vec3::ONE)
     }
 
     /// Direct light reflected towards `wo`: one sample of either the light or the reflectance, weighted by the balance

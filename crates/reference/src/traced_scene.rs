@@ -37,6 +37,8 @@ struct Instance {
     tables: Option<Arc<Tables>>,
     /// Has an alpha mask.
     has_holes: bool,
+    /// Is a catcher, which blocks no light.
+    catches: bool,
     /// Its vertices, where a skin or morph targets move them.
     deformed: Option<WorldVertices>,
 }
@@ -72,6 +74,8 @@ pub(crate) struct HitPoint<'a> {
     surface: Surface,
     tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
+    /// Shows what is behind the scene; its surface then is matte.
+    pub(crate) catches: bool,
 }
 
 impl<'a> HitPoint<'a> {
@@ -124,6 +128,7 @@ impl<'a> TracedScene<'a> {
                 normal_from_mesh,
                 handedness,
                 has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
+                catches: scene.material(placed.mesh).catches,
                 deformed,
             });
         }
@@ -133,10 +138,24 @@ impl<'a> TracedScene<'a> {
 
     /// The nearest visible surface along a ray.
     pub(crate) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, |_| true)
+    }
+
+    /// The nearest surface along a ray that blocks light.
+    pub(crate) fn closest_caster(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, |index| !self.catches(index))
+    }
+
+    fn catches(&self, triangle: usize) -> bool {
+        self.instances[self.triangles[triangle].instance as usize].catches
+    }
+
+    fn closest(&self, ray: &Ray, counts: impl Fn(usize) -> bool) -> Option<Hit> {
         let mut nearest = RayHit::none();
         let traversal = traversal_ray(ray)?;
         self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
-            self.distance(ray, index).filter(|&t| t < traversal.tmax).unwrap_or(f32::INFINITY)
+            let met = self.distance(ray, index).filter(|&t| t < traversal.tmax);
+            met.filter(|_| counts(index)).unwrap_or(f32::INFINITY)
         });
         let triangle = nearest.primitive_id;
         let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
@@ -148,7 +167,9 @@ impl<'a> TracedScene<'a> {
         let Some(mut traversal) = traversal_ray(ray) else { return false };
         // A lamp may touch what it hangs on: that is behind its front.
         traversal.tmax = distance * (1.0 - END_CLEARANCE);
-        !self.bvh.ray_traverse_miss(traversal, |_, index| self.distance(ray, index).unwrap_or(f32::INFINITY))
+        !self.bvh.ray_traverse_miss(traversal, |_, index| {
+            self.distance(ray, index).filter(|_| !self.catches(index)).unwrap_or(f32::INFINITY)
+        })
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
@@ -175,9 +196,10 @@ impl<'a> TracedScene<'a> {
             geometric_normal,
             frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
             clearance: CLEARANCE * largest,
-            surface: point.surface,
-            tables: instance.tables.as_deref(),
+            surface: if instance.catches { Surface::default() } else { point.surface },
+            tables: instance.tables.as_deref().filter(|_| !instance.catches),
             emissive: point.emissive,
+            catches: instance.catches,
         }
     }
 

@@ -10,6 +10,22 @@ use crate::{Gpu, RenderError};
 /// Of both images, 32 bytes a sample together: WebGPU's default limit.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 
+/// Of [`Geometry::vertex_buffers`], as `gbuffer.wgsl` names their attributes.
+pub(crate) const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 4] = [
+    vertex_buffer(16, &wgpu::vertex_attr_array![0 => Float32x4]),
+    vertex_buffer(16, &wgpu::vertex_attr_array![1 => Float32x4]),
+    vertex_buffer(16, &wgpu::vertex_attr_array![2 => Float32x4]),
+    vertex_buffer(32, &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4]),
+];
+
+/// A vertex buffer.
+pub(crate) const fn vertex_buffer(
+    array_stride: u64,
+    attributes: &'static [wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'static>> {
+    Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
+}
+
 /// Textures of `gbuffer.wgsl`'s outputs, one texel a sample, and one surface: a further layer would be another of these.
 pub(crate) struct GBuffer {
     /// Parts a side that the samples are drawn in, see `sample_places.wgsl`.
@@ -81,13 +97,6 @@ impl GBufferPass {
         read.extend(crate::materials::tables::bindings());
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
         let shader = gpu.shader("gbuffer", &[])?;
-        let attribute = |array_stride, attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes,
-            })
-        };
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("gbuffer"),
             layout: Some(&gpu.pipeline_layout(&[
@@ -98,12 +107,7 @@ impl GBufferPass {
                 module: &shader.module,
                 entry_point: Some("gbuffer_vertex"),
                 compilation_options: Default::default(),
-                buffers: &[
-                    attribute(16, &wgpu::vertex_attr_array![0 => Float32x4]),
-                    attribute(16, &wgpu::vertex_attr_array![1 => Float32x4]),
-                    attribute(16, &wgpu::vertex_attr_array![2 => Float32x4]),
-                    attribute(32, &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4]),
-                ],
+                buffers: &VERTEX_BUFFERS,
             },
             // No culling: every surface is two-sided, as in the reference.
             primitive: Default::default(),

@@ -21,6 +21,7 @@ mod gloss;
 mod gpu;
 mod ground;
 mod irradiance;
+pub mod layers;
 mod light_batches;
 mod light_frame;
 mod light_pass;
@@ -36,9 +37,11 @@ mod ray_scene;
 mod recorder;
 mod renderer;
 mod resolve;
+mod seen;
 mod settings;
 mod shading_points;
 pub mod shadow;
+mod sky_samples;
 #[cfg(test)]
 mod twins;
 pub mod unshadowed;
@@ -46,7 +49,7 @@ mod view_slices;
 
 pub use batch_plan::ShadowSizing;
 pub use error::RenderError;
-pub use gloss::GlossPath;
+pub use gloss::{GlossPath, Reflections};
 #[cfg(not(target_arch = "wasm32"))]
 pub use gpu::list_adapters;
 pub use gpu::{AdapterSummary, Gpu, GpuOptions};
@@ -54,6 +57,9 @@ pub use lighting::PreparedLighting;
 pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Change, Frame, LightingChange, Renderer, SceneChange, TimedFrame};
-pub use settings::{DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings};
+pub use settings::{
+    Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
+    TechniqueSettings,
+};
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

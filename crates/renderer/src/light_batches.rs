@@ -36,6 +36,8 @@ pub(crate) struct LightBatches {
     slice_count: usize,
     slices: ViewSlices,
     sum_scales: Vec3,
+    /// Of each light by its place, which layer it is part of.
+    groups: Vec<u32>,
     /// Of all lights, where rays go to them.
     points_of_lights: Option<PointsOfLights>,
     /// Whether lights, scene or pose are others than those that batches are fitted to.
@@ -163,6 +165,7 @@ impl LightBatches {
             slice_count,
             slices: ViewSlices::default(),
             sum_scales: Vec3::ONE,
+            groups: Vec::new(),
             points_of_lights,
             is_stale: true,
             is_refitted: false,
@@ -235,6 +238,15 @@ impl LightBatches {
         self.is_stale = true;
     }
 
+    /// Lets the light of one group through from the next submission on, or that of all.
+    pub fn show_group(&self, gpu: &Gpu, group: Option<u32>) {
+        for (i, batch) in self.batches.iter().enumerate() {
+            let all = Batch::parameters(0, batch.members.len() as u32, i == 0);
+            let group = group.unwrap_or(layout::ALL_GROUPS);
+            gpu.write(&batch.parameters, &layout::Batch { group, ..all });
+        }
+    }
+
     /// Lights, scene or pose are others from now on.
     pub fn refit(&mut self) {
         self.is_stale = true;
@@ -246,19 +258,31 @@ impl LightBatches {
         gpu: &Gpu,
         (lighting, near_lights): (&Lighting, &[PlacedLight]),
         (geometry, slices): (&Geometry, ViewSlices),
-        only: Option<usize>,
+        (only, groups): (Option<usize>, &[u32]),
     ) {
         let moved = !self.sliced.is_empty() && self.slices != slices;
-        self.is_refitted = std::mem::take(&mut self.is_stale) || moved;
+        let regrouped = self.groups != groups;
+        self.is_refitted = std::mem::take(&mut self.is_stale) || moved || regrouped;
         if !self.is_refitted {
             return;
         }
         self.slices = slices;
+        self.groups = groups.to_vec();
         let mut all = frame_lights([&lighting.lights, &lighting.probes], &lighting.points, near_lights);
         add_slices(&mut all, &self.sliced, self.slice_count);
         for batch in &mut self.batches {
             let LightNeeds { resolution, .. } = self.classes[batch.class].needs;
             batch.fitted = self.fitting.fit(&all, &batch.members, resolution, (geometry, &self.slices), only);
+            for uniform in &mut batch.fitted.uniforms {
+                let place = uniform.number as usize;
+                // What is behind all lights shines on further slices.
+                let unsliced = all.len() - (self.slice_count - 1) * self.sliced.len();
+                let light = match place.checked_sub(unsliced) {
+                    Some(slice) => self.sliced[slice % self.sliced.len()],
+                    None => place,
+                };
+                uniform.group = groups.get(light).copied().unwrap_or_default();
+            }
             gpu.write(&batch.lights, batch.fitted.uniforms.as_slice());
         }
         if let Some(points) = &self.points_of_lights {
@@ -286,6 +310,33 @@ impl LightBatches {
         Ok(())
     }
 
+    /// Sums the light of a group, which [`LightBatches::show_group`] has let through, at the points of a stage that is listed. Unshadowed light is
+    /// that of all lights.
+    pub fn encode_group(
+        &self,
+        recorder: &mut Recorder<'_>,
+        light: &LightPass,
+        scene: LitScene<'_>,
+        (stage, group): (&PointStage, u32),
+    ) -> Result<(), RenderError> {
+        let of_list = |batch: &&Batch| self.classes[batch.class].needs.points == stage.list;
+        for batch in self.batches.iter().filter(of_list) {
+            let shadows = &self.classes[batch.class].shadows;
+            let frame =
+                FrameInputs { same_lights: !self.takes_turns(batch), ..self.frame(batch, scene, stage) };
+            if batch.fitted.uniforms.iter().any(|light| light.group == group) {
+                shadows.prepare(recorder, &frame)?;
+            }
+            light.encode(recorder, [frame.frame, frame.gbuffer, shadows.bind_group()], scene.points, stage);
+        }
+        Ok(())
+    }
+
+    /// Whether another batch of its class takes the place of its shadows.
+    fn takes_turns(&self, batch: &Batch) -> bool {
+        self.batches.iter().filter(|other| other.class == batch.class).count() > 1
+    }
+
     /// Makes what visibility of one batch needs once more: another batch of its class may have taken its place.
     pub fn prepare_again(
         &self,
@@ -301,7 +352,7 @@ impl LightBatches {
 
     /// The frame as the technique sees it for a batch.
     fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>, stage: &'a PointStage) -> FrameInputs<'a> {
-        let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
+        let takes_turns = self.takes_turns(batch);
         let is_first_call = scene.is_first_band && stage.lists_tiles();
         FrameInputs {
             geometry: scene.geometry,
@@ -359,6 +410,6 @@ impl Batch {
 
     fn parameters(first_light: u32, end_light: u32, first: bool) -> layout::Batch {
         let flags = if first { layout::FLAG_FIRST } else { 0 };
-        layout::Batch { first_light, end_light, flags }
+        layout::Batch { first_light, end_light, flags, group: layout::ALL_GROUPS }
     }
 }

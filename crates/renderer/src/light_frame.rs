@@ -60,6 +60,7 @@ fn extent(light: &DistantLight, scene: &PlacedBoxes, seen: &ViewSlice) -> Extent
     let mut blocking = Vec::new();
     for place in &scene.boxes {
         match &place.ground {
+            _ if !place.casts => {}
             Some(ground) if ground.bears_towards(light.direction) => {}
             Some(ground) if ground.bears_towards(-light.direction) => blocking.push((ground, &place.corners)),
             _ => held.extend(place.corners),
@@ -197,6 +198,7 @@ pub(crate) fn light_uniform(
         bias_scale: if seen.around.is_some() { (map_width / range).min(1.0) } else { 1.0 },
         vector_irradiance,
         number: 0,
+        group: 0,
     }
 }
 
@@ -214,6 +216,7 @@ mod tests {
             simpler: Vec::new(),
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
+            casts: true,
         }])
     }
 

@@ -65,7 +65,7 @@ pub(crate) fn of_distant(light: &DistantLight, radiance: &dyn Fn(Vec3) -> f32) -
     let rows: Vec<Vec<f32>> = (0..GRID).map(|j| (0..GRID).map(|i| weight(i, j)).collect()).collect();
     let sums: Vec<f32> = rows.iter().map(|row| row.iter().sum()).collect();
     std::array::from_fn(|i| {
-        let [u, v] = sobol(i as u32);
+        let [u, v] = sobol(i as u32, layout::LIGHT_POINTS);
         let (row, t) = chosen(&sums, v);
         let (column, s) = chosen(&rows[row], u);
         place((column as f32 + s) * step, (row as f32 + t) * step)
@@ -82,7 +82,7 @@ pub(crate) fn mean_direction(light: &DistantLight, points: &LightPoints) -> Vec3
 pub(crate) fn of_near(light: &PlacedLight) -> LightPoints {
     let half_extent = light.shape.half_extent();
     std::array::from_fn(|i| {
-        let [s, t] = sobol(i as u32);
+        let [s, t] = sobol(i as u32, layout::LIGHT_POINTS);
         let place = match light.shape {
             AreaLightShape::Rectangle { .. } => 2.0 * Vec2::new(s, t) - 1.0,
             _ => disk_place(s, t),
@@ -97,7 +97,7 @@ fn disk_place(s: f32, t: f32) -> Vec2 {
 }
 
 /// Which of some weights a number from 0 to 1 falls on, and where there; all are the same where none is above 0.
-fn chosen(weights: &[f32], u: f32) -> (usize, f32) {
+pub(crate) fn chosen(weights: &[f32], u: f32) -> (usize, f32) {
     let sum: f32 = weights.iter().sum();
     if !(sum > 0.0 && sum.is_finite()) {
         let place = u * weights.len() as f32;
@@ -114,8 +114,8 @@ fn chosen(weights: &[f32], u: f32) -> (usize, f32) {
     (weights.iter().rposition(|&weight| weight > 0.0).unwrap_or(0), 0.5)
 }
 
-/// Point `i` of Sobol's sequence in two dimensions, in the middle of its 64th.
-fn sobol(i: u32) -> [f32; 2] {
+/// Point `i` of the first `count` of Sobol's sequence in two dimensions, in the middle of its part.
+pub(crate) fn sobol(i: u32, count: u32) -> [f32; 2] {
     let mut second = 0;
     let mut direction = 1u32 << 31;
     for bit in 0..32 {
@@ -124,8 +124,7 @@ fn sobol(i: u32) -> [f32; 2] {
         }
         direction ^= direction >> 1;
     }
-    [i.reverse_bits(), second]
-        .map(|bits| (bits >> 8) as f32 / 16_777_216.0 + 0.5 / layout::LIGHT_POINTS as f32)
+    [i.reverse_bits(), second].map(|bits| (bits >> 8) as f32 / 16_777_216.0 + 0.5 / count as f32)
 }
 
 /// A texture of the points of all lights of a frame, a row each: see `shadow_rays.wgsl`.

@@ -13,6 +13,7 @@ use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::ray_scene::{RayScene, RefitPass};
 use crate::recorder::PassTiming;
 use crate::resolve::{Output, ResolvePass};
+use crate::seen::{SeenPass, SeenTarget};
 use crate::settings::{Chosen, RenderSettings};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::depth_maps::ShadowMapPass;
@@ -24,6 +25,7 @@ mod change;
 mod debug;
 mod display;
 mod draw;
+mod layers;
 mod set;
 mod state;
 mod timing;
@@ -37,6 +39,9 @@ pub use timing::TimedFrame;
 pub struct Frame {
     /// Linear radiance, box-filtered.
     pub radiance: RgbImage,
+    /// How much each pixel hides of what is behind the scene, row by row from the top: 1 where it shows the scene alone, less at its edges, and
+    /// where it shows a catcher the share of light that shadows take. `radiance` is premultiplied by it where nothing is behind the scene.
+    pub alpha: Vec<f32>,
     /// Exposed, tone-mapped and sRGB-encoded: RGBA, 8 bits, top row first.
     pub display: Vec<[u8; 4]>,
     /// Time of every pass, where [`crate::MeasureSettings::profile`] is on.
@@ -60,6 +65,14 @@ pub struct Renderer {
     /// Slices that the view of the last frame had.
     slice_count: usize,
     debug: Option<debug::Debug>,
+    /// Made for the first layers.
+    seen: Option<SeenPass>,
+    /// Of each light by its place, which layer it is part of.
+    light_groups: Vec<u32>,
+    /// Whether light is summed in floats.
+    has_wide_sums: bool,
+    /// The frame before, for motion.
+    before: Option<layers::Before>,
     in_flight: FramesInFlight,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
@@ -82,7 +95,9 @@ struct Target {
     points: ShadingPoints,
     /// Values along a pixel's side of what is composed: 1, or the samples of a debug view.
     composed: u32,
+    values: wgpu::Texture,
     output: Output,
+    seen: Option<SeenTarget>,
 }
 
 impl Renderer {
@@ -133,6 +148,10 @@ impl Renderer {
             target: None,
             slice_count: 1,
             debug: None,
+            seen: None,
+            light_groups: Vec::new(),
+            has_wide_sums: false,
+            before: None,
             in_flight: FramesInFlight::default(),
             view,
             view_group,

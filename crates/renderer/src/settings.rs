@@ -1,12 +1,12 @@
 use gnomon_brdf::Surface;
-use gnomon_options::{Group, Options, choice, number, power_of_two, settings, whole, yes_no};
+use gnomon_options::{Group, Options, choice, choices, number, power_of_two, settings, whole};
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_shaders::layout::CachedLobe;
 
 use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
 use crate::composite::{self, Compositing};
-use crate::gloss::GlossPath;
+use crate::gloss::{GlossPath, Reflections};
 use crate::shadow::{self, ShadowSettings, Techniques, VisibilityPath};
 use crate::unshadowed::{self, Unshadowed};
 use crate::{Gpu, RenderError};
@@ -16,6 +16,8 @@ use crate::{Gpu, RenderError};
 pub struct RenderSettings {
     /// How radiance is shown: constants of the next frame.
     pub display: DisplaySettings,
+    /// Which light is in the picture: what sums of light are of.
+    pub paths: LightPaths,
     /// What lights are made of an environment beside those of its fit: they are made anew.
     pub lighting: LightingSettings,
     /// How visibility is found and light is summed: pipelines, shadow maps and buffers are made anew, meshes and lights stay.
@@ -25,10 +27,23 @@ pub struct RenderSettings {
 }
 
 static DISPLAY: Group = Group { table: "", heading: "Display", condition: None };
+static LIGHT_PATHS: Group = Group { table: "", heading: "Light", condition: None };
 static LIGHTING: Group = Group { table: "", heading: "Lights", condition: None };
 static TECHNIQUES: Group = Group { table: "", heading: "Shadows", condition: None };
 const COMPOSITING: &str = "Compositing";
 const SAMPLING: &str = "Sampling";
+
+choices! {
+    /// What is seen behind the scene.
+    pub enum Background {
+        /// The environment.
+        Environment = "environment",
+        /// Nothing: black.
+        None = "none",
+        /// Nothing: pictures have an alpha channel, straight in PNG and premultiplied in EXR files.
+        Transparent = "transparent",
+    }
+}
 
 settings! {
     /// How radiance becomes a displayed picture.
@@ -38,8 +53,16 @@ settings! {
             number(-100.0, 100.0).unit("EV").automatic("what brings the environment's mean to 0.5", 0.0);
         /// How radiance is brought into the range of a display.
         tone_mapping: ToneMapping = ToneMapping::default(), choice(ToneMapping::choices);
-        /// Whether the environment is seen behind the scene.
-        background: bool = true, yes_no();
+        /// What is seen behind the scene.
+        background: Background = Background::default(), choice(Background::choices);
+    }
+}
+
+settings! {
+    /// Which ways of light are in the picture.
+    pub struct LightPaths in LIGHT_PATHS {
+        /// What glossy surfaces reflect beside the lights and the environment. It needs rays for gloss, and lights that are no rig's.
+        reflections: Reflections = Reflections::default(), choice(Reflections::choices);
     }
 }
 
@@ -123,6 +146,7 @@ impl RenderSettings {
     /// [`RenderError::Option`] for the first that does not.
     pub fn check(&self) -> Result<(), RenderError> {
         self.display.check()?;
+        self.paths.check()?;
         self.lighting.check()?;
         self.techniques.check()?;
         Ok(())

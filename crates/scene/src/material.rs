@@ -111,6 +111,8 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// What the file says of its back. Pictures do not depend on it: every surface is seen and lit from both sides.
     pub double_sided: bool,
+    /// Shows what is seen behind the scene, by the share of the light that shadows leave on it, and blocks no light itself.
+    pub catches: bool,
 }
 
 impl Default for Material {
@@ -132,6 +134,7 @@ impl Default for Material {
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
+            catches: false,
         }
     }
 }

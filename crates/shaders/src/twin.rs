@@ -6,6 +6,7 @@ pub mod depth_moments;
 pub mod gbuffer_packing;
 pub mod half_pairs;
 pub mod hemisphere;
+pub mod hit_normals;
 pub mod math;
 pub mod micromap;
 pub mod resample;

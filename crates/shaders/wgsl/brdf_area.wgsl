@@ -10,11 +10,6 @@ struct LightPatch {
     half_width: vec3f,
     half_height: vec3f,
     is_disk: bool,
-    // Steradians.
-    solid_angle: f32,
-    // Unit vector to its point nearest to the mirrored view; to its middle where it is infinitely far.
-    nearest: vec3f,
-    is_distant: bool,
 }
 
 // Abramowitz and Stegun 1964, 7.1.26; its series where that is the better.

@@ -1,5 +1,6 @@
 #import brdf_ggx
 #import brdf_lobe
+#import brdf_torrance_sparrow
 
 // glTF 2.0 (appendix B.3.5) with KHR_materials_specular; the lobe is GGX.
 
@@ -11,16 +12,17 @@ fn lifted(wo: vec3f) -> vec3f {
     return normalize(vec3f(wo.xy, MIN_N_DOT_V));
 }
 
-// GGX with an alpha of its own for the microfacets' distribution.
-fn ggx_lobe(lobe: Lobe, wo: vec3f, wi: vec3f, alpha_of_d: f32) -> vec3f {
-    let h = half_vector(wo, wi);
-    let masking = v_smith_ggx_correlated(max(wo.z, MIN_N_DOT_V), wi.z, alpha_from_roughness(lobe.shape));
-    let bare = select(0.0, d_ggx(h.z, alpha_of_d) * masking, h.z > 0.0);
-    return schlick_lobe(lobe, bare, dot(wo, h));
-}
+// GGX's slopes as a sum of Gaussian ones: their root mean squares in alphas, and shares. See the twin.
+const GAUSSIANS = array(
+    vec2f(0.6023, 0.1929), vec2f(1.0445, 0.4113), vec2f(1.8306, 0.2523), vec2f(3.2827, 0.1041), vec2f(6.7452, 0.0392)
+);
 
 fn metallic_roughness_lobe(lobe: Lobe, wo: vec3f, wi: vec3f) -> vec3f {
-    return ggx_lobe(lobe, wo, wi, alpha_from_roughness(lobe.shape));
+    let h = half_vector(wo, wi);
+    let alpha = alpha_from_roughness(lobe.shape);
+    let masking = v_smith_ggx_correlated(max(wo.z, MIN_N_DOT_V), wi.z, alpha);
+    let bare = select(0.0, d_ggx(h.z, alpha) * masking, h.z > 0.0);
+    return schlick_lobe(lobe, bare, dot(wo, h));
 }
 
 fn metallic_roughness_sample(lobe: Lobe, wo: vec3f, u: vec2f) -> vec3f {
@@ -32,18 +34,19 @@ fn metallic_roughness_pdf(lobe: Lobe, wo: vec3f, wi: vec3f) -> f32 {
     return pdf_ggx_vndf(lifted(wo), wi, alpha_from_roughness(lobe.shape));
 }
 
-// No integral: the light's extent widens the lobe, alpha' = alpha + half the light's radius. Of a light in the scene the point nearest to
-// the mirrored view stands for all of it, and its lobe keeps the energy of the widened one (Karis 2013, area lights).
 fn metallic_roughness_light_lobe(lobe: Lobe, wo: vec3f, light: LightPatch) -> vec3f {
-    let wi = light.nearest;
-    if wi.z <= 0.0 {
+    let seen = half_vector_patch(wo, light);
+    if !seen.is_seen {
         return vec3f(0.0);
     }
     let alpha = alpha_from_roughness(lobe.shape);
-    let wide = min(alpha + 0.5 * sqrt(light.solid_angle / PI), 1.0);
-    let narrowing = select(alpha / wide, 1.0, light.is_distant);
-    return ggx_lobe(lobe, wo, wi, select(alpha, wide, light.is_distant))
-        * (narrowing * narrowing * wi.z * light.solid_angle);
+    var on_light = 0.0;
+    for (var i = 0; i < 5; i++) {
+        let gaussian = GAUSSIANS[i];
+        on_light += gaussian.y * gaussian_slopes_on(seen, gaussian.x * alpha);
+    }
+    let masking = v_smith_ggx_correlated(max(wo.z, MIN_N_DOT_V), light.direction.z, alpha);
+    return torrance_sparrow_light_lobe(lobe, light.direction.z, seen.v_dot_h, on_light, masking);
 }
 
 fn metallic_roughness_matte_weight(lobe: Lobe, interface_tint: vec4f, v_dot_h: f32) -> f32 {

@@ -222,11 +222,11 @@ fn weighed_lobe(lobe: Lobe, wo: vec3f, wi: vec3f, light_pdf: f32) -> vec3f {
 }
 
 fn tables_light_lobe(lobe: Lobe, wo: vec3f, light: LightPatch) -> vec3f {
-    let light_pdf = 1.0 / max(light.solid_angle, 1e-12);
     let aa = dot(light.half_width, light.half_width);
     let bb = dot(light.half_height, light.half_height);
     let ab = dot(light.half_width, light.half_height);
     let area2 = max(aa * bb - ab * ab, 1e-30);
+    let light_pdf = inverseSqrt(area2) / select(4.0, PI, light.is_disk);
     var sum = vec3f(0.0);
     for (var i = 0u; i < TABLE_LIGHT_POINTS; i++) {
         let u = hammersley(i, TABLE_LIGHT_POINTS);

@@ -24,18 +24,20 @@ fn v_smith_beckmann(n_dot_v: f32, n_dot_l: f32, slope: f32) -> f32 {
     return g1_smith_beckmann(n_dot_v, slope) * g1_smith_beckmann(n_dot_l, slope) / (4.0 * n_dot_v * n_dot_l);
 }
 
-// The lobe over an area light of which `on_light` is the microfacets' share. Cosine, masking and Fresnel are those of its middle.
-fn torrance_sparrow_light_lobe(
-    lobe: Lobe,
-    wo: vec3f,
-    n_dot_l: f32,
-    v_dot_h: f32,
-    on_light: f32,
-    masking_slope: f32,
-) -> vec3f {
-    let n_dot_v = max(wo.z, MIN_N_DOT_V);
-    let masking = g1_smith_beckmann(n_dot_v, masking_slope) * g1_smith_beckmann(n_dot_l, masking_slope) / n_dot_v;
-    return schlick_lobe(lobe, on_light * v_dot_h * masking, v_dot_h);
+// The lobe over an area light of which `on_light` is the microfacets' share. Cosine, `masking` over the microfacet denominator, and Fresnel
+// are those of its middle.
+fn torrance_sparrow_light_lobe(lobe: Lobe, n_dot_l: f32, v_dot_h: f32, on_light: f32, masking: f32) -> vec3f {
+    // The microfacet turns by half as much as the light: a quarter of its solid angle over v.h.
+    return schlick_lobe(lobe, on_light * (4.0 * n_dot_l * masking * v_dot_h), v_dot_h);
+}
+
+// Share of microfacets with Gaussian slopes of this root mean square that mirror a light. The slope's own plane would be exact, but stretches
+// a light at grazing half vectors without bound.
+fn gaussian_slopes_on(seen: HalfVectorPatch, slope: f32) -> f32 {
+    let n_dot_h = seen.n_dot_h;
+    let tangent = sqrt(max(1.0 - n_dot_h, 0.0) * (1.0 + n_dot_h)) / n_dot_h;
+    let c2 = n_dot_h * n_dot_h;
+    return half_vector_share(seen, tangent, slope * 0.70710678) / (c2 * c2);
 }
 
 // Density of the mirrored direction, that of the microfacet's normal being `pdf_normal` (Walter et al. 2007, eq. 14).

@@ -37,12 +37,8 @@ fn torrance_sparrow_beckmann_light_lobe(lobe: Lobe, wo: vec3f, light: LightPatch
     if !seen.is_seen {
         return vec3f(0.0);
     }
-    // The slope's own plane would be exact, but stretches a light at grazing half vectors without bound.
-    let n_dot_h = seen.n_dot_h;
-    let tangent = sqrt(max(1.0 - n_dot_h, 0.0) * (1.0 + n_dot_h)) / n_dot_h;
-    let c2 = n_dot_h * n_dot_h;
-    let on_light = half_vector_share(seen, tangent, lobe.shape * 0.70710678) / (c2 * c2);
-    return torrance_sparrow_light_lobe(lobe, wo, light.direction.z, seen.v_dot_h, on_light, lobe.shape);
+    let masking = v_smith_beckmann(max(wo.z, MIN_N_DOT_V), light.direction.z, lobe.shape);
+    return torrance_sparrow_light_lobe(lobe, light.direction.z, seen.v_dot_h, gaussian_slopes_on(seen, lobe.shape), masking);
 }
 
 fn torrance_sparrow_beckmann_equivalent_roughness(lobe: Lobe) -> f32 {

@@ -58,7 +58,8 @@ fn torrance_sparrow_gaussian_light_lobe(lobe: Lobe, wo: vec3f, light: LightPatch
     let on_light = half_vector_share(seen, angle_from_cosine(seen.n_dot_h), lobe.shape * 0.70710678)
         / gaussian_norm(lobe.shape);
     let masking_slope = gaussian_masking_slope(lobe.shape);
-    return torrance_sparrow_light_lobe(lobe, wo, light.direction.z, seen.v_dot_h, on_light, masking_slope);
+    let masking = v_smith_beckmann(max(wo.z, MIN_N_DOT_V), light.direction.z, masking_slope);
+    return torrance_sparrow_light_lobe(lobe, light.direction.z, seen.v_dot_h, on_light, masking);
 }
 
 fn torrance_sparrow_gaussian_equivalent_roughness(lobe: Lobe) -> f32 {

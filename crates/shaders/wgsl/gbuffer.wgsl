@@ -32,20 +32,30 @@ struct GBufferSample {
 @vertex
 fn gbuffer_vertex(vertex: Vertex, @builtin(instance_index) instance: u32) -> Varying {
     let parts = view.interleave * view.interleave;
+    return varying_of(vertex, instance / parts, instance % parts);
+}
+
+fn varying_of(vertex: Vertex, material: u32, part: u32) -> Varying {
     var surface: Varying;
     let position_clip = view.clip_from_world * vec4f(vertex.position_world.xyz, 1.0);
-    surface.position_clip = position_clip + vec4f(position_clip.w * part_shift(instance % parts), 0.0, 0.0);
+    surface.position_clip = position_clip + vec4f(position_clip.w * part_shift(part), 0.0, 0.0);
     surface.position_world = vertex.position_world.xyz;
     surface.normal_world = vertex.normal_world.xyz;
     surface.tangent_world = vertex.tangent_world;
     surface.uvs = vertex.uvs;
     surface.color = vertex.color;
-    surface.material = instance / parts;
+    surface.material = material;
     return surface;
 }
 
 @fragment
 fn gbuffer_fragment(surface: Varying) -> GBufferSample {
+    let packed = drawn_surface(surface);
+    return GBufferSample(pack_geometry(packed), pack_reflectance(packed));
+}
+
+// What is drawn of a surface; nothing where its alpha mask has a hole.
+fn drawn_surface(surface: Varying) -> PackedSurface {
     let across = dpdx(surface.position_world);
     let down = dpdy(surface.position_world);
     // Texels of a part lie a whole pixel apart, its samples do not.
@@ -116,5 +126,5 @@ fn gbuffer_fragment(surface: Varying) -> GBufferSample {
     packed.geometric_normal = geometric_normal;
     // The bitangent stays where it is when the normal turns.
     packed.frame = frame_from_tangent(normal * turn, vec4f(surface.tangent_world.xyz, surface.tangent_world.w * turn));
-    return GBufferSample(pack_geometry(packed), pack_reflectance(packed));
+    return packed;
 }

@@ -26,7 +26,10 @@ fn light(
         if form_factor <= 0.0 {
             continue;
         }
-        let visible = visibility(light, point, surface.position_world, surface.geometric_normal, surface.n);
+        var visible = 0.0;
+        if is_shown(light) {
+            visible = visibility(light, point, surface.position_world, surface.geometric_normal, surface.n);
+        }
         if lights[light].role == ROLE_PROBE {
             sums.probed += form_factor;
             sums.probed_open += form_factor * visible;

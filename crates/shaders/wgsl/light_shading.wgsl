@@ -54,39 +54,17 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
     );
 }
 
-// Direction to the point of a light in the scene that is nearest to the mirrored view ray (Karis 2013, area lights).
-fn nearest_to_mirrored(light: u32, to_light: vec3f, reflected: vec3f) -> vec3f {
-    let half_extent = lights[light].half_extent;
-    if lights[light].kind == KIND_SPHERE {
-        let aside = dot(to_light, reflected) * reflected - to_light;
-        return normalize(to_light + aside * saturate(half_extent.x / max(length(aside), 1e-20)));
-    }
-    let slant = dot(reflected, lights[light].direction);
-    let distance = dot(to_light, lights[light].direction) / max(slant, 1e-3);
-    let aside = reflected * distance - to_light;
-    var place = vec2f(dot(aside, lights[light].tangent), dot(aside, lights[light].bitangent));
-    if lights[light].shape == SHAPE_DISK {
-        place *= saturate(half_extent.x / max(length(place), 1e-20));
-    } else {
-        place = clamp(place, -half_extent, half_extent);
-    }
-    return normalize(to_light + place.x * lights[light].tangent + place.y * lights[light].bitangent);
-}
-
-// A light as a surface sees it; its sides keep the solid angle.
+// A light as a surface sees it; the sides of a distant one keep its solid angle.
 fn light_patch(light: u32, surface: Surface) -> LightPatch {
     var seen: LightPatch;
     seen.is_disk = lights[light].shape == SHAPE_DISK;
     let tangent = local_from_world(surface.frame, lights[light].tangent);
     let bitangent = local_from_world(surface.frame, lights[light].bitangent);
-    seen.is_distant = lights[light].kind == KIND_DISTANT;
-    if seen.is_distant {
+    if lights[light].kind == KIND_DISTANT {
         seen.direction = local_from_world(surface.frame, lights[light].direction);
-        seen.nearest = seen.direction;
-        seen.solid_angle = lights[light].solid_angle;
         let half_extent = lights[light].half_extent;
         let flat_area = select(4.0, PI, seen.is_disk) * half_extent.x * half_extent.y;
-        let scale = sqrt(seen.solid_angle / max(flat_area, 1e-20));
+        let scale = sqrt(lights[light].solid_angle / max(flat_area, 1e-20));
         seen.half_width = tangent * (scale * half_extent.x);
         seen.half_height = bitangent * (scale * half_extent.y);
         return seen;
@@ -94,18 +72,13 @@ fn light_patch(light: u32, surface: Surface) -> LightPatch {
     let to_light = lights[light].position - surface.position_world;
     let distance = max(length(to_light), 1e-20);
     seen.direction = local_from_world(surface.frame, to_light / distance);
-    let reflected = reflect(-surface.wo, surface.n);
-    seen.nearest = local_from_world(surface.frame, nearest_to_mirrored(light, to_light, reflected));
     let half_extent = min(lights[light].half_extent / distance, vec2f(1.0));
     if lights[light].kind == KIND_SPHERE {
         let about = frame_from_normal(seen.direction);
         seen.half_width = half_extent.x * about.t;
         seen.half_height = half_extent.x * about.b;
-        seen.solid_angle = min(lights[light].solid_angle / (distance * distance), TAU);
         return seen;
     }
-    let slant = max(dot(to_light, lights[light].direction), 0.0) / distance;
-    seen.solid_angle = min(lights[light].solid_angle * slant / (distance * distance), TAU);
     seen.half_width = half_extent.x * (tangent - seen.direction * dot(seen.direction, tangent));
     seen.half_height = half_extent.y * (bitangent - seen.direction * dot(seen.direction, bitangent));
     return seen;

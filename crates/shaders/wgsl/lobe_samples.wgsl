@@ -12,6 +12,8 @@ struct LobeSample {
     direction: vec3f,
     // What it adds to the light that the lobe reflects of the environment.
     radiance: vec3f,
+    // Share of what comes along it that the lobe reflects.
+    reflected: vec3f,
 }
 
 // Lobes of this GGX alpha and above have all rays. They change little from pixel to pixel: the points of wide lights are enough for them.
@@ -25,7 +27,7 @@ fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     let wi = reflectance_sample(surface.lobe, wo, u);
     let pdf = reflectance_pdf(surface.lobe, wo, wi);
     if pdf <= 0.0 || wi.z <= 0.0 {
-        return LobeSample(surface.n, vec3f(0.0));
+        return LobeSample(surface.n, vec3f(0.0), vec3f(0.0));
     }
     let size = vec2f(textureDimensions(environment_levels, 0));
     let texels_per_sample = size.x * size.y / (4.0 * PI) / (f32(count) * pdf);
@@ -33,7 +35,7 @@ fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     let direction = world_from_local(surface.frame, wi);
     let towards = (view.environment_from_world * vec4f(direction, 0.0)).xyz;
     let reflected = reflectance_lobe(surface.lobe, wo, wi) * (wi.z / (pdf * f32(count)));
-    return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level));
+    return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level), reflected);
 }
 
 // Rays of a lobe: what narrow ones reflect is alike for all of them.

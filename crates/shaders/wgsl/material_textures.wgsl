@@ -1,4 +1,5 @@
 #import materials
+#import wrapped
 
 // Textures of the materials, for passes that draw surfaces. Layers of an array are textures of one size, format and sampler. A draw binds
 // up to TEXTURE_SLOTS arrays: WebGPU has no arrays of bindings.
@@ -73,18 +74,4 @@ fn material_texel(texture: MaterialTexture, uvs: vec4f, uvs_across: vec4f, uvs_d
     let across = uv_step(texture_uv_change(texture, uvs_across));
     let down = uv_step(texture_uv_change(texture, uvs_down));
     return sample_slot(texture.slot, texture.layer, texture_uv(texture, uvs), across, down);
-}
-
-fn wrapped_coordinate(x: f32, wrap: u32) -> f32 {
-    switch wrap {
-        case WRAP_CLAMP: {
-            return saturate(x);
-        }
-        case WRAP_MIRROR: {
-            return 1.0 - abs(2.0 * fract(0.5 * x) - 1.0);
-        }
-        default: {
-            return fract(x);
-        }
-    }
 }

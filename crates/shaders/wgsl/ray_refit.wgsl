@@ -1,4 +1,5 @@
 #import types
+#import hit_normals
 
 // Brings the hierarchies of boxes to where the frame's vertices are, from the leaves up.
 
@@ -11,6 +12,7 @@
 @group(GROUP_PASS) @binding(4) var<storage, read_write> ray_triangles: array<vec4u>;
 // The first of the nodes that are all as high, and the one after the last.
 @group(GROUP_PASS) @binding(5) var<uniform> level: vec2u;
+@group(GROUP_PASS) @binding(6) var<storage, read> normals_world: array<vec4f>;
 
 // The slab test rounds: boxes a little larger than what they hold make it safe.
 const PADDING: f32 = 5e-7;
@@ -39,9 +41,12 @@ fn refit_leaves(
     var high = vec3f(-3.4e38);
     for (var i = first; i < first + count; i++) {
         let vertices = ray_indices[i];
+        let normals =
+            pack_thirds(normals_world[vertices.x].xyz, normals_world[vertices.y].xyz, normals_world[vertices.z].xyz);
+        let beside = vec3u(vertices.w, normals);
         for (var k = 0u; k < 3u; k++) {
             let corner = positions_world[vertices[k]].xyz;
-            ray_triangles[3u * i + k] = vec4u(bitcast<vec3u>(corner), select(0u, vertices.w, k == 0u));
+            ray_triangles[3u * i + k] = vec4u(bitcast<vec3u>(corner), beside[k]);
             low = min(low, corner);
             high = max(high, corner);
         }

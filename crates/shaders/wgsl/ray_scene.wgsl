@@ -19,37 +19,82 @@ fn is_hole(micromap: u32, v: f32, w: f32) -> bool {
     return ((word >> (bit % 32u)) & 1u) == 0u;
 }
 
-// Whether a triangle lies along a ray before `reach`, in lengths of `direction`.
-fn is_hit(triangle: u32, origin: vec3f, direction: vec3f, reach: f32) -> bool {
-    let a = ray_triangles[3u * triangle];
-    let b = bitcast<vec3f>(ray_triangles[3u * triangle + 1u].xyz);
-    let c = bitcast<vec3f>(ray_triangles[3u * triangle + 2u].xyz);
-    let hit = triangle_hit(bitcast<vec3f>(a.xyz) - origin, b - origin, c - origin, direction);
-    if hit.x <= 0.0 || hit.x >= reach {
-        return false;
+// What a ray meets.
+struct RayHit {
+    // In lengths of the ray's direction; not above 0 where there is nothing.
+    distance: f32,
+    triangle: u32,
+    // Barycentric coordinates of its second and third corner.
+    v: f32,
+    w: f32,
+}
+
+fn no_hit() -> RayHit {
+    return RayHit(-1.0, NO_TRIANGLE, 0.0, 0.0);
+}
+
+const NO_TRIANGLE: u32 = 0xffffffffu;
+
+fn ray_corners(triangle: u32) -> mat3x3f {
+    let first = 3u * triangle;
+    return mat3x3f(
+        bitcast<vec3f>(ray_triangles[first].xyz),
+        bitcast<vec3f>(ray_triangles[first + 1u].xyz),
+        bitcast<vec3f>(ray_triangles[first + 2u].xyz),
+    );
+}
+
+// Normals of its corners, see `hit_normals.wgsl`.
+fn ray_normals(triangle: u32) -> vec2u {
+    return vec2u(ray_triangles[3u * triangle + 1u].w, ray_triangles[3u * triangle + 2u].w);
+}
+
+// Where a triangle lies along a ray before `reach`, in lengths of `direction`.
+fn hit_of(triangle: u32, origin: vec3f, direction: vec3f, reach: f32) -> RayHit {
+    let corners = ray_corners(triangle);
+    let hit = triangle_hit(corners[0] - origin, corners[1] - origin, corners[2] - origin, direction);
+    let micromap = ray_triangles[3u * triangle].w;
+    if hit.x <= 0.0 || hit.x >= reach || (micromap != 0u && is_hole(micromap, hit.z, hit.w)) {
+        return no_hit();
     }
-    return a.w == 0u || !is_hole(a.w, hit.z, hit.w);
+    return RayHit(hit.x, triangle, hit.z, hit.w);
 }
 
 // What blocked the last ray of this invocation often blocks the next one.
-var<private> last_blocker: u32 = 0xffffffffu;
+var<private> last_blocker: u32 = NO_TRIANGLE;
 
 // Whether anything lies along a ray before `reach`, in lengths of `direction`.
 fn is_occluded(origin: vec3f, direction: vec3f, reach: f32) -> bool {
-    if last_blocker != 0xffffffffu && is_hit(last_blocker, origin, direction, reach) {
+    if last_blocker != NO_TRIANGLE && hit_of(last_blocker, origin, direction, reach).distance > 0.0 {
         return true;
     }
+    let hit = trace(origin, direction, reach, true);
+    if hit.distance > 0.0 {
+        last_blocker = hit.triangle;
+    }
+    return hit.distance > 0.0;
+}
+
+// The nearest of what lies along a ray before `reach`.
+fn nearest_hit(origin: vec3f, direction: vec3f, reach: f32) -> RayHit {
+    return trace(origin, direction, reach, false);
+}
+
+// The nearest of what lies along a ray before `reach`, or the first that is found.
+fn trace(origin: vec3f, direction: vec3f, reach: f32, takes_any: bool) -> RayHit {
     let tiny = abs(direction) < vec3f(LEAST_COMPONENT);
     let inverse = 1.0 / select(direction, vec3f(LEAST_COMPONENT), tiny);
     let shifted = -origin * inverse;
     let top_end = ray_nodes[0].skip;
+    var found = no_hit();
+    var limit = reach;
     var node = 0u;
     var end = top_end;
     var resume = 0u;
     loop {
         if node >= end {
             if end == top_end {
-                return false;
+                break;
             }
             node = resume;
             end = top_end;
@@ -60,7 +105,7 @@ fn is_occluded(origin: vec3f, direction: vec3f, reach: f32) -> bool {
         let near = min(low, high);
         let far = max(low, high);
         let enters = max(max(near.x, near.y), max(near.z, 0.0));
-        let leaves = min(min(far.x, far.y), min(far.z, reach));
+        let leaves = min(min(far.x, far.y), min(far.z, limit));
         let members = ray_nodes[node].members;
         let count = members % RAY_LEAF;
         if enters > leaves {
@@ -71,13 +116,17 @@ fn is_occluded(origin: vec3f, direction: vec3f, reach: f32) -> bool {
             end = ray_nodes[node].skip;
         } else {
             for (var i = 0u; i < count; i++) {
-                if is_hit(members / RAY_LEAF + i, origin, direction, reach) {
-                    last_blocker = members / RAY_LEAF + i;
-                    return true;
+                let hit = hit_of(members / RAY_LEAF + i, origin, direction, limit);
+                if hit.distance > 0.0 {
+                    found = hit;
+                    limit = hit.distance;
+                    if takes_any {
+                        return found;
+                    }
                 }
             }
             node++;
         }
     }
-    return false;
+    return found;
 }

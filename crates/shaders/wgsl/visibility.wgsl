@@ -26,8 +26,8 @@ fn write_visibility(
     for (var first = batch.first_light / 4u * 4u; first < batch.end_light; first += 4u) {
         var four = vec4f(0.0);
         for (var light = max(first, batch.first_light); light < min(first + 4u, batch.end_light); light++) {
-            // Nobody asks for lights below the horizon.
-            if light_form_factor(light, surface.position_world, surface.n) > 0.0 {
+            // Nobody asks for lights below the horizon, or of other groups.
+            if is_shown(light) && light_form_factor(light, surface.position_world, surface.n) > 0.0 {
                 four[light - first] =
                     visibility(light, point, surface.position_world, surface.geometric_normal, surface.n);
             }

@@ -53,6 +53,7 @@ struct Key {
     surroundings: Surroundings,
     rotation: f32,
     background: bool,
+    reflections: bool,
     camera: Camera,
     size: [u32; 2],
 }
@@ -62,7 +63,8 @@ impl Key {
         // The stage replaces what somebody else holds rather than changing it.
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.surroundings.is(&other.surroundings)
-            && (self.rotation, self.background, self.size) == (other.rotation, other.background, other.size)
+            && (self.rotation, self.size) == (other.rotation, other.size)
+            && (self.background, self.reflections) == (other.background, other.reflections)
             && self.camera == other.camera
     }
 }
@@ -118,7 +120,8 @@ impl Converging {
             scene: Arc::clone(stage.scene()),
             surroundings: stage.surroundings().clone(),
             rotation: stage.look().environment.rotation,
-            background: stage.look().display.background,
+            background: stage.look().shows_environment(),
+            reflections: stage.reflects_scene(),
             camera: stage.camera()?,
             size,
         };
@@ -156,6 +159,7 @@ impl Passes {
             height,
             samples_per_pixel: SAMPLES_PER_PASS,
             background: key.background,
+            reflections: key.reflections,
             ..ReferenceOptions::default()
         };
         let passes = Self {

@@ -10,7 +10,8 @@ use gnomon_options::{
     size, text,
 };
 use gnomon_renderer::{
-    DisplaySettings, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+    Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
+    TechniqueSettings,
 };
 use gnomon_scene::{Camera, Ground, ReflectanceSettings};
 use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
@@ -26,6 +27,8 @@ use crate::StudioError;
 pub struct Look {
     /// Which lights stand for the environment: `[fit]`.
     pub fit: FitSettings,
+    /// Which light is in the picture: of `[render]`.
+    pub paths: LightPaths,
     /// What becomes of the light that they leave over: of `[render]`.
     pub lighting: LightingSettings,
     /// How visibility is found and light is summed: of `[render]`.
@@ -182,6 +185,11 @@ impl Look {
         (&self.map, self.environment.turned_as(&other.environment)) == (&other.map, other.environment.clone())
     }
 
+    /// Whether the environment is seen behind the scene.
+    pub fn shows_environment(&self) -> bool {
+        self.display.background == Background::Environment
+    }
+
     /// Whether there is something around the scene.
     pub fn has_environment(&self) -> bool {
         self.map.is_some() || self.environment.rig.is_some()
@@ -207,6 +215,7 @@ impl Look {
         let exposure = Some(self.display.exposure.unwrap_or(automatic_exposure));
         RenderSettings {
             display: DisplaySettings { exposure, ..self.display.clone() },
+            paths: self.paths.clone(),
             lighting: self.lighting.clone(),
             techniques: self.techniques.clone(),
             measure: MeasureSettings::default(),
@@ -218,6 +227,7 @@ impl Look {
 impl Options for Look {
     fn visit(&self, see: &mut dyn FnMut(&'static OptionSpec, &dyn OptionField)) {
         self.fit.visit(see);
+        self.paths.visit(see);
         self.lighting.visit(see);
         self.techniques.visit(see);
         self.picture.visit(see);
@@ -229,6 +239,7 @@ impl Options for Look {
 
     fn visit_mut(&mut self, see: &mut dyn FnMut(&'static OptionSpec, &mut dyn OptionField)) {
         self.fit.visit_mut(see);
+        self.paths.visit_mut(see);
         self.lighting.visit_mut(see);
         self.techniques.visit_mut(see);
         self.picture.visit_mut(see);
@@ -277,7 +288,7 @@ mod tests {
             ..EnvironmentLook::default()
         };
         let mut brought = Look { map: sky, environment: file.clone(), ..Look::default() };
-        (brought.display.exposure, brought.display.background) = (Some(2.0), false);
+        (brought.display.exposure, brought.display.background) = (Some(2.0), Background::None);
         let mut kept = brought.clone();
         kept.keep_changes(&asked, &now);
         assert_eq!(kept.environment, EnvironmentLook { rotation: 30.0, ..file });

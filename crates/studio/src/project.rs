@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::Given;
-use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
+use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
     Axes, ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
@@ -90,7 +90,9 @@ pub struct Project {
 struct Sections {
     #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
-    #[serde(deserialize_with = "Given::deserialize::<(LightingSettings, TechniqueSettings), _>")]
+    #[serde(
+        deserialize_with = "Given::deserialize::<(LightPaths, (LightingSettings, TechniqueSettings)), _>"
+    )]
     render: Given,
     #[serde(deserialize_with = "Given::deserialize::<(PictureSettings, DisplaySettings), _>")]
     display: Given,

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use gnomon_lights::fit::FitSettings;
 use gnomon_picture::atomic;
-use gnomon_renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
+use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Camera, ReflectanceSettings};
 use gnomon_scene_files::EnvironmentSource;
 use serde::Serialize;
@@ -24,7 +24,7 @@ struct LookTables<'a> {
     environment: EnvironmentTable,
     fit: &'a FitSettings,
     #[serde(serialize_with = "gnomon_options::serialize")]
-    render: (LightingSettings, TechniqueSettings),
+    render: (LightPaths, (LightingSettings, TechniqueSettings)),
     #[serde(serialize_with = "gnomon_options::serialize")]
     display: (PictureSettings, DisplaySettings),
     animation: &'a AnimationLook,
@@ -111,7 +111,7 @@ impl Stage {
                 options: look.environment.with_files(|file| relative(Path::new(file), folder))?,
             },
             fit: &look.fit,
-            render: (look.lighting.clone(), look.techniques.clone()),
+            render: (look.paths.clone(), (look.lighting.clone(), look.techniques.clone())),
             display: (look.picture.clone(), look.display.clone()),
             animation: &look.animation,
             surface: all.into_iter().chain(single).collect(),

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_options::Options;
+use gnomon_renderer::Reflections;
 use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
 use crate::environment::{FitScene, Surroundings, surroundings_of};
@@ -242,6 +243,11 @@ impl Stage {
     /// How the environment is turned.
     pub fn world_from_environment(&self) -> Quat {
         Quat::from_rotation_y(self.look.environment.rotation.to_radians())
+    }
+
+    /// Whether glossy surfaces reflect the scene in its pictures: a rig's lights are reflected alone.
+    pub fn reflects_scene(&self) -> bool {
+        self.look.paths.reflections == Reflections::Scene && self.look.environment.rig.is_none()
     }
 
     /// Scene and view for the reference, under [`Stage::surroundings`] as they are: instead of it they turn, the other way, so that no texel of it is

@@ -112,6 +112,9 @@ pub const SERIES_RIPPLE: f32 = 0.06;
 /// Irradiance of an area light in the scene on an open plane against the closed form, relative.
 pub const OPEN_PLANE_IRRADIANCE: f32 = 0.01;
 
+/// A catcher under a built-in environment, GPU against ray tracer, over the map and by its alpha: relative RMSE, and RMSE of the alpha.
+pub const CATCHER_RELATIVE_RMSE: f64 = 0.03;
+
 /// Real-time picture of three boxes under one lamp, by convolution shadows, against ray-traced truth: relative RMSE. Without
 /// shadows it is several times that.
 pub const LAMP_RELATIVE_RMSE: f64 = 0.10;
@@ -173,6 +176,9 @@ pub const SHADOW_RAYS_BIAS: f32 = 2e-3;
 /// Metals of roughness 0.1 to 0.8 against Mitsuba's, values clamped at four times the mean: relative RMSE, the noise of Mitsuba's picture included.
 pub const GLOSS: f64 = 0.06;
 
+/// A metal ball that reflects its floor, against the ray tracer, values clamped at four times the mean: relative RMSE.
+pub const GLOSS_OF_SCENE: f64 = 0.09;
+
 /// Share of uniform light that a traced lobe reflects, against its directional albedo: it has 256 samples.
 pub const GLOSS_FURNACE: f32 = 0.01;
 
@@ -199,6 +205,9 @@ pub const AREA_LOBE_WIDE_LIGHT: f64 = 0.33;
 
 /// Such a highlight of a light of 1 mrad against the bare lobe, relative, where the lobe is above 1 % of its peak.
 pub const AREA_LOBE_POINT_LIGHT: f32 = 0.01;
+
+/// GGX's slopes as a sum of five Gaussian ones.
+pub const AREA_LOBE_GGX_FIT: f32 = 0.016;
 
 /// Every reflectance model on a sphere under area lights of 1 to 9 degrees, GPU against ray tracer: RMS of the difference over that
 /// of the picture: what [`AREA_LOBE_MEDIUM_LIGHT`] leaves where lobe and disk are equally wide, and 2 % of noise. Found: 0.01 to 0.09.

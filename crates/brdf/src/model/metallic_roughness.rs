@@ -2,12 +2,12 @@
 //! `min(f0(ior) * specular_color, 1) * specular` to `specular`; a metal is `F specular` with `f0 = base_color`, `f90 = 1`. The lobe is
 //! GGX.
 
-use std::f32::consts::PI;
-
 use glam::{Vec2, Vec3, Vec4};
 
 use super::ReflectanceModel;
+use crate::area::HalfVectorPatch;
 use crate::sampling::{half_vector, reflect};
+use crate::torrance_sparrow::{gaussian_slopes_on, light_lobe};
 use crate::{
     BASE_COLOR, IOR, Layers, LightPatch, Lobe, METALLIC, MIN_N_DOT_V, Parameter, ROUGHNESS, SPECULAR,
     SPECULAR_COLOR, alpha_from_roughness, d_ggx, f_schlick, pdf_ggx_vndf, sample_ggx_vndf,
@@ -23,12 +23,10 @@ fn lifted(wo: Vec3) -> Vec3 {
     if wo.z >= MIN_N_DOT_V { wo } else { wo.with_z(MIN_N_DOT_V).normalize() }
 }
 
-/// GGX with an alpha of its own for the microfacets' distribution.
-fn ggx_lobe(lobe: &Lobe, wo: Vec3, wi: Vec3, alpha_of_d: f32) -> Vec3 {
-    let h = half_vector(wo, wi);
-    let masking = v_smith_ggx_correlated(wo.z.max(MIN_N_DOT_V), wi.z, alpha_from_roughness(lobe.shape));
-    lobe.schlick(d_ggx(h.z, alpha_of_d) * masking, wo.dot(h))
-}
+/// GGX's slopes, `1 / (1 + x)^2` of squares x in alphas, as a sum of Gaussian ones: their root mean squares in alphas, and shares. Fitted
+/// by least squares of the relative error, which is at most 1.6 % up to slopes of ten alphas.
+const GAUSSIANS: [(f32, f32); 5] =
+    [(0.6023, 0.1929), (1.0445, 0.4113), (1.8306, 0.2523), (3.2827, 0.1041), (6.7452, 0.0392)];
 
 impl ReflectanceModel for MetallicRoughness {
     const NAME: &'static str = "metallic-roughness";
@@ -40,7 +38,10 @@ impl ReflectanceModel for MetallicRoughness {
     const IS_PREFILTERED: bool = true;
 
     fn lobe(lobe: &Lobe, wo: Vec3, wi: Vec3) -> Vec3 {
-        ggx_lobe(lobe, wo, wi, alpha_from_roughness(lobe.shape))
+        let h = half_vector(wo, wi);
+        let alpha = alpha_from_roughness(lobe.shape);
+        let masking = v_smith_ggx_correlated(wo.z.max(MIN_N_DOT_V), wi.z, alpha);
+        lobe.schlick(d_ggx(h.z, alpha) * masking, wo.dot(h))
     }
 
     fn sample(lobe: &Lobe, wo: Vec3, u: Vec2) -> Vec3 {
@@ -52,21 +53,13 @@ impl ReflectanceModel for MetallicRoughness {
         pdf_ggx_vndf(lifted(wo), wi, alpha_from_roughness(lobe.shape))
     }
 
-    /// No integral: the light's extent widens the lobe, `alpha' = alpha + half the light's radius`. Of a light in the scene the point
-    /// nearest to the mirrored view stands for all of it, and its lobe keeps the energy of the widened one (Karis 2013, area lights).
     fn light_lobe(lobe: &Lobe, wo: Vec3, light: &LightPatch) -> Vec3 {
-        let wi = light.nearest;
-        if wi.z <= 0.0 {
-            return Vec3::ZERO;
-        }
         let alpha = alpha_from_roughness(lobe.shape);
-        let wide = (alpha + 0.5 * (light.solid_angle / PI).sqrt()).min(1.0);
-        let weight = wi.z * light.solid_angle;
-        if light.is_distant {
-            return ggx_lobe(lobe, wo, wi, wide) * weight;
-        }
-        let narrowing = alpha / wide;
-        ggx_lobe(lobe, wo, wi, alpha) * (narrowing * narrowing * weight)
+        let masking = |n_dot_v, n_dot_l| v_smith_ggx_correlated(n_dot_v, n_dot_l, alpha);
+        let on_light = |patch: &HalfVectorPatch| {
+            GAUSSIANS.iter().map(|(width, share)| share * gaussian_slopes_on(patch, width * alpha)).sum()
+        };
+        light_lobe(lobe, wo, light, masking, on_light)
     }
 
     fn matte_weight(interface: Vec4, v_dot_h: f32) -> f32 {

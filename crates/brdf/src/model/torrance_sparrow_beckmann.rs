@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::ReflectanceModel;
 use crate::sampling::{half_vector, reflect};
-use crate::torrance_sparrow::{light_lobe, pdf_mirrored};
+use crate::torrance_sparrow::{gaussian_slopes_on, light_lobe, pdf_mirrored};
 use crate::{
     BASE_COLOR, IOR, LightPatch, Lobe, METALLIC, MIN_N_DOT_V, Parameter, SLOPE, SPECULAR, SPECULAR_COLOR,
     v_smith_beckmann,
@@ -55,13 +55,9 @@ impl ReflectanceModel for TorranceSparrowBeckmann {
         pdf_mirrored(h.z, wo.dot(h), |n_dot_h| d_beckmann(n_dot_h, lobe.shape) * n_dot_h)
     }
 
-    /// The slope's own plane would be exact, but stretches a light at grazing half vectors without bound.
     fn light_lobe(lobe: &Lobe, wo: Vec3, light: &LightPatch) -> Vec3 {
-        light_lobe(lobe, wo, light, lobe.shape, |patch, sigma| {
-            let c = patch.n_dot_h;
-            let tangent = ((1.0 - c).max(0.0) * (1.0 + c)).sqrt() / c;
-            patch.share(tangent, sigma) / (c * c * c * c)
-        })
+        let masking = |n_dot_v, n_dot_l| v_smith_beckmann(n_dot_v, n_dot_l, lobe.shape);
+        light_lobe(lobe, wo, light, masking, |patch| gaussian_slopes_on(patch, lobe.shape))
     }
 
     fn equivalent_roughness(lobe: &Lobe) -> f32 {

@@ -1,7 +1,7 @@
 //! Torrance and Sparrow's microfacets with their own distribution: Gaussian angles. The slope m is the angle [rad] at which the
 //! density has fallen to 1/e.
 
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
 use glam::{Vec2, Vec3};
 
@@ -82,7 +82,10 @@ impl ReflectanceModel for TorranceSparrowGaussian {
     }
 
     fn light_lobe(lobe: &Lobe, wo: Vec3, light: &LightPatch) -> Vec3 {
-        light_lobe(lobe, wo, light, gaussian_masking_slope(lobe.shape), |patch, sigma| {
+        let slope = gaussian_masking_slope(lobe.shape);
+        let masking = |n_dot_v, n_dot_l| v_smith_beckmann(n_dot_v, n_dot_l, slope);
+        light_lobe(lobe, wo, light, masking, |patch| {
+            let sigma = lobe.shape * FRAC_1_SQRT_2;
             patch.share(angle_from_cosine(patch.n_dot_h), sigma) / gaussian_norm(lobe.shape)
         })
     }

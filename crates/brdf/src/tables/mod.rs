@@ -5,7 +5,7 @@ mod coordinates;
 mod proposal;
 mod table;
 
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -191,14 +191,14 @@ impl Tables {
     /// Integral of the value times the cosine over an area light: points on the light and of the lobe, each weighed by what the other
     /// would have found (Veach 1997, balance heuristic), so that neither has to be the narrower one.
     pub(crate) fn light_lobe(&self, tint: Vec4, wo: Vec3, light: &LightPatch) -> Vec3 {
-        let light_pdf = 1.0 / light.solid_angle.max(1e-12);
+        let (aa, bb) = (light.half_width.length_squared(), light.half_height.length_squared());
+        let ab = light.half_width.dot(light.half_height);
+        let area2 = (aa * bb - ab * ab).max(1e-30);
+        let light_pdf = 1.0 / (area2.sqrt() * if light.is_disk { PI } else { 4.0 });
         let reflected = |wi: Vec3| {
             let both = self.pdf(wo, wi) + light_pdf;
             self.value(tint, wo, wi) * (wi.z / both)
         };
-        let (aa, bb) = (light.half_width.length_squared(), light.half_height.length_squared());
-        let ab = light.half_width.dot(light.half_height);
-        let area2 = (aa * bb - ab * ab).max(1e-30);
         let mut sum = Vec3::ZERO;
         for i in 0..LIGHT_POINTS {
             let u = hammersley(i, LIGHT_POINTS);

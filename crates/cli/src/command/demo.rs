@@ -67,6 +67,7 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
         width: WIDTH,
         height: HEIGHT,
         samples_per_pixel: args.spp,
+        reflections: studio.stage().reflects_scene(),
         progress: Some(&progress),
         ..ReferenceOptions::default()
     };

@@ -7,7 +7,7 @@ use clap::error::ErrorKind;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use gnomon::lights::fit::FitSettings;
 use gnomon::options::{Given, Kind, OptionError, OptionSpec, OptionValue, Options, specs};
-use gnomon::renderer::{DisplaySettings, LightingSettings, TechniqueSettings};
+use gnomon::renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon::studio::{AnimationLook, EnvironmentLook, Look, PictureSettings, SceneLook};
 
 /// Which options a command takes.
@@ -22,7 +22,10 @@ pub struct Shown;
 
 impl Selection for Shown {
     fn specs() -> Vec<&'static OptionSpec> {
-        specs::<(EnvironmentLook, (SceneLook, (AnimationLook, (PictureSettings, DisplaySettings))))>()
+        specs::<(
+            EnvironmentLook,
+            (SceneLook, (AnimationLook, (PictureSettings, (DisplaySettings, LightPaths)))),
+        )>()
     }
 }
 

@@ -8,9 +8,11 @@ use gnomon_scene::{Material, Scene, Texture, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
+mod far;
 pub(crate) mod tables;
 
 use arrays::{Plan, TextureArray, TextureUse, same_textures};
+pub(crate) use far::FarMaterials;
 use tables::{PackedTables, TableTextures, TabulatedMaterials};
 
 use crate::bindings::{Binding, D2_ARRAY};
@@ -32,8 +34,9 @@ pub(crate) struct Materials {
     tabulated: TabulatedMaterials,
     /// Reflectances that are tables.
     pub tables: TableTextures,
-    /// Parameters that the next frame takes over.
-    changed: Option<MaterialRecords>,
+    now: MaterialRecords,
+    /// Whether the next frame takes over what is now.
+    is_changed: bool,
 }
 
 /// What the GPU knows of materials beside their textures' texels.
@@ -111,10 +114,10 @@ impl Materials {
         let tabulated =
             TabulatedMaterials::new(scene.materials.iter(), before.map(|before| &before.tabulated));
         let tables = TableTextures::new(gpu, &tabulated.packed(gpu)?);
-        let (records, references) = records(scene, &plan, &tabulated);
+        let now = records(scene, &plan, &tabulated);
         let storage = wgpu::BufferUsages::STORAGE;
-        let records = gpu.shared_buffer("materials", records.as_slice(), storage);
-        let references = gpu.shared_buffer("material textures", references.as_slice(), storage);
+        let records = gpu.shared_buffer("materials", now.records.as_slice(), storage);
+        let references = gpu.shared_buffer("material textures", now.textures.as_slice(), storage);
         let arrays: Vec<_> = plan
             .arrays
             .iter()
@@ -151,7 +154,8 @@ impl Materials {
             arrays,
             tabulated,
             tables,
-            changed: None,
+            now,
+            is_changed: false,
         })
     }
 
@@ -164,24 +168,28 @@ impl Materials {
         }
         let tabulated = TabulatedMaterials::new(scene.materials.iter(), Some(&self.tabulated));
         let packed = tabulated.packed(gpu).ok().filter(|packed| self.tables.has_room_for(packed))?;
-        let (records, textures) = records(scene, &self.plan, &tabulated);
+        let records = records(scene, &self.plan, &tabulated);
         let tables = (!tabulated.has_those_of(&self.tabulated)).then_some((tabulated, packed));
-        Some(MaterialRecords { records, textures, tables })
+        Some(MaterialRecords { tables, ..records })
     }
 
     /// Takes such parameters over, for the next frame.
     pub fn change(&mut self, records: MaterialRecords) {
-        self.changed = Some(records);
+        (self.now, self.is_changed) = (records, true);
     }
 
-    /// Brings what has changed to the GPU.
-    pub fn upload(&mut self, gpu: &Gpu) {
-        let Some(MaterialRecords { records, textures, tables }) = self.changed.take() else { return };
-        gpu.write(&self.records, records.as_slice());
-        gpu.write(&self.textures, textures.as_slice());
-        if let Some((tabulated, packed)) = tables {
-            self.tables.write(gpu, &packed);
-            self.tabulated = tabulated;
+    /// Brings what has changed to the GPU, to reflections as well.
+    pub fn upload(&mut self, gpu: &Gpu, far: Option<&FarMaterials>) {
+        if std::mem::take(&mut self.is_changed) {
+            gpu.write(&self.records, self.now.records.as_slice());
+            gpu.write(&self.textures, self.now.textures.as_slice());
+            if let Some((tabulated, packed)) = self.now.tables.take() {
+                self.tables.write(gpu, &packed);
+                self.tabulated = tabulated;
+            }
+            if let Some(far) = far {
+                far.write(gpu, self);
+            }
         }
     }
 
@@ -197,11 +205,7 @@ impl Materials {
 }
 
 /// Of every material, the default one last.
-fn records(
-    scene: &Scene,
-    plan: &Plan,
-    tabulated: &TabulatedMaterials,
-) -> (Vec<layout::Material>, Vec<layout::MaterialTexture>) {
+fn records(scene: &Scene, plan: &Plan, tabulated: &TabulatedMaterials) -> MaterialRecords {
     let (mut records, mut references) = (Vec::new(), Vec::new());
     let default = Material::default();
     for (number, material) in scene.materials.iter().chain([&default]).enumerate() {
@@ -225,7 +229,7 @@ fn records(
         let tables = tabulated.number(number);
         records.push(layout::Material { first_texture, end_texture, ..record(material, tables) });
     }
-    (records, references)
+    MaterialRecords { records, textures: references, tables: None }
 }
 
 /// A material without its textures, whose reflectance has the tables of a number.
@@ -245,6 +249,7 @@ fn record(material: &Material, tables: Option<usize>) -> layout::Material {
         normal_scale: material.normal_scale,
         alpha_cutoff: material.alpha_mode.cutoff().unwrap_or(0.0),
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
+        catches: u32::from(material.catches),
         model: surface.model as u32,
         shape: tables.map_or(surface.shape(), |number| number as f32),
         ..Default::default()

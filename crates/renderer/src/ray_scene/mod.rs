@@ -14,13 +14,16 @@ use rayon::prelude::*;
 use crate::bindings::Binding;
 use crate::casters::PlacedBoxes;
 use crate::geometry::{Geometry, PlacedMesh};
+use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
 mod hierarchy;
+mod hits;
 mod micromap;
 
 use hierarchy::Hierarchy;
+pub(crate) use hits::HitSurfaces;
 pub(crate) use micromap::Micromaps;
 
 /// Bytes of a triangle on the GPU.
@@ -42,7 +45,8 @@ impl RefitPass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let read = Binding::Storage { read_only: true };
         let write = Binding::Storage { read_only: false };
-        let bindings = [(0, read), (1, read), (2, read), (3, write), (4, write), (5, Binding::Uniform)];
+        let bindings =
+            [(0, read), (1, read), (2, read), (3, write), (4, write), (5, Binding::Uniform), (6, read)];
         let layout = gpu.layout("ray refit", wgpu::ShaderStages::COMPUTE, &bindings);
         let shader = gpu.shader("ray_refit", &[])?;
         let pipeline = |entry| gpu.compute_pipeline(&shader, entry, &[(layout::GROUP_PASS, &layout)]);
@@ -56,6 +60,8 @@ pub(crate) struct RayScene {
     pub nodes: wgpu::Buffer,
     /// Triangles and micromaps, see `ray_scene.wgsl`.
     pub triangles: wgpu::Buffer,
+    /// What rays meet, where somebody asks.
+    pub hits: Option<HitSurfaces>,
     /// Of each instance its place in the geometry and the first of its nodes.
     instances: Vec<(usize, u32)>,
     /// From the lowest nodes to the highest.
@@ -72,7 +78,8 @@ struct Level {
 }
 
 impl RayScene {
-    /// Of a geometry. Hierarchies that `before` has of the same meshes, by their `Arc`, are not built again.
+    /// Of a geometry, with the surfaces that rays meet where their materials are given. Hierarchies that `before` has of the same meshes, by
+    /// their `Arc`, are not built again.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] for more triangles or nodes than a buffer holds.
@@ -80,9 +87,11 @@ impl RayScene {
         gpu: &Gpu,
         pass: &RefitPass,
         geometry: &Geometry,
+        materials: Option<&Materials>,
         before: Option<&Self>,
     ) -> Result<Self, RenderError> {
-        let placed: Vec<PlacedMesh<'_>> = geometry.placed_meshes().collect();
+        let casting = geometry.placed_meshes().enumerate().filter(|(_, place)| place.casts);
+        let (numbers, placed): (Vec<usize>, Vec<PlacedMesh<'_>>) = casting.unzip();
         let hierarchies = hierarchies(&placed, before);
         let of = |mesh: &Arc<Mesh>| &hierarchies[&address(mesh)].1;
         let top_count = (2 * placed.len()).max(1);
@@ -106,7 +115,8 @@ impl RayScene {
         let mut micromaps: HashMap<*const Micromaps, u32> = HashMap::new();
         let mut instances = Vec::with_capacity(placed.len());
         let mut by_height: Vec<Vec<u32>> = Vec::new();
-        for (number, place) in placed.iter().enumerate() {
+        let mut hits = materials.map(hits::HitTriangles::of);
+        for (&number, place) in numbers.iter().zip(&placed) {
             let hierarchy = of(place.mesh);
             if hierarchy.nodes.is_empty() {
                 continue;
@@ -139,6 +149,9 @@ impl RayScene {
                 });
                 (3 * triangle_count as u32 + first, maps.words_each() / 4 + 1)
             });
+            if let Some(hits) = &mut hits {
+                hits.add(place, &hierarchy.order);
+            }
             indices.extend(hierarchy.order.iter().map(|&triangle| {
                 let [a, b, c] =
                     place.mesh.triangles[triangle as usize].map(|index| place.first_vertex + index);
@@ -164,20 +177,21 @@ impl RayScene {
         let indices = gpu.buffer_with("ray indices", bytemuck::cast_slice(&indices), storage);
         let order =
             gpu.buffer_with("ray nodes by height", bytemuck::cast_slice(&by_height.concat()), storage);
-        let [positions_world, ..] = geometry.vertex_buffers();
+        let [positions_world, normals_world, ..] = geometry.vertex_buffers();
         let mut first = 0;
         let level = |members: &Vec<u32>| {
             let count = members.len() as u32;
             let range = [first, first + count];
             first += count;
             let range = gpu.buffer_with("ray level", bytemuck::bytes_of(&range), wgpu::BufferUsages::UNIFORM);
-            let buffers = [positions_world, &indices, &order, &nodes, &triangles, &range];
+            let buffers = [positions_world, &indices, &order, &nodes, &triangles, &range, normals_world];
             let resources: Vec<_> =
                 (0..).zip(buffers).map(|(number, buffer)| (number, buffer.as_entire_binding())).collect();
             Level { count, group: gpu.bind_group("ray refit", &pass.layout, &resources) }
         };
         let levels = by_height.iter().map(level).collect();
-        Ok(Self { nodes, triangles, instances, levels, hierarchies, is_stale: true })
+        let hits = hits.map(|hits| hits.upload(gpu)).transpose()?;
+        Ok(Self { nodes, triangles, hits, instances, levels, hierarchies, is_stale: true })
     }
 
     /// Vertices are elsewhere from now on.

@@ -11,6 +11,7 @@ use crate::RenderError;
 use crate::RenderSettings;
 use crate::compose::ComposePass;
 use crate::geometry::{Geometry, MovedGeometry};
+use crate::gloss::Reflections;
 use crate::lighting::{Lighting, PreparedLighting};
 use crate::materials::{MaterialRecords, Materials};
 use crate::radiance_cache::RadianceCache;
@@ -161,8 +162,18 @@ impl Renderer {
         let has_map = lighting.as_ref().or(in_force).is_some_and(|lighting| !lighting.stands_alone);
         let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, suits);
         let traces_rays = traces_gloss || technique.is_some_and(|technique| technique.traces_rays());
-        let ray_scene = match traces_rays && (is_new || self.ray_scene.is_none()) {
-            true => Some(RayScene::new(gpu, &self.passes.refit, geometry, self.ray_scene.as_ref())?),
+        let mirrors_scene = traces_gloss && chosen.settings.paths.reflections == Reflections::Scene;
+        let (materials, are_new) = match &scene.materials {
+            Some(NextMaterials::New { materials, .. }) => (materials.as_ref(), true),
+            _ => (&self.materials, false),
+        };
+        let serves = |scene: &RayScene| scene.hits.is_some() == mirrors_scene && !(mirrors_scene && are_new);
+        let ray_scene = match traces_rays && (is_new || !self.ray_scene.as_ref().is_some_and(serves)) {
+            true => {
+                let materials = mirrors_scene.then_some(materials);
+                let before = self.ray_scene.as_ref();
+                Some(RayScene::new(gpu, &self.passes.refit, geometry, materials, before)?)
+            }
             false => None,
         };
         // More or fewer lights of the scene need other maps; what is bound of a scene for rays is another with it.
@@ -241,7 +252,10 @@ impl Renderer {
         let NextScene { geometry, materials, near_lights, surfaces } = scene;
         let mut refit = geometry.is_some();
         match geometry {
-            Some(NextGeometry::New(geometry)) => self.geometry = *geometry,
+            Some(NextGeometry::New(geometry)) => {
+                self.geometry = *geometry;
+                self.before = None;
+            }
             Some(NextGeometry::Moved(moved)) => self.geometry.take(moved),
             None => {}
         }
@@ -301,7 +315,8 @@ impl Renderer {
     /// Brings to the GPU what was changed in buffers that stayed.
     pub(super) fn upload_changes(&mut self) {
         self.geometry.upload(&self.gpu);
-        self.materials.upload(&self.gpu);
+        let hits = self.ray_scene.as_ref().and_then(|scene| scene.hits.as_ref());
+        self.materials.upload(&self.gpu, hits.map(|hits| &hits.materials));
     }
 }
 

@@ -1,11 +1,14 @@
 //! Drawing frames: whole, in bands, for a file, a benchmark or a window.
 
+use std::ops::Range;
+
 use glam::Mat4;
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_scene::Camera;
 use gnomon_shaders::layout;
 
 use super::bands::{Band, BandInFlight, BandsInFlight};
+use super::layers::LayerTask;
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
@@ -13,7 +16,7 @@ use crate::compose::RADIANCE_FORMAT;
 use crate::gpu::TextureReadBack;
 use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
-use crate::settings::{Chosen, in_range};
+use crate::settings::{Background, Chosen, in_range};
 use crate::shading_points::{PointPlan, SumPlanes};
 use crate::view_slices::ViewSlices;
 
@@ -45,19 +48,22 @@ impl Renderer {
         height: u32,
     ) -> impl Future<Output = Result<Frame, RenderError>> + Send + use<> {
         let size = [width, height];
-        let begun = self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size)));
-        async move { begun?.frame().await }
+        let begun =
+            self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size), &[]));
+        async move { Ok(begun?.frame().await?.0) }
     }
 
-    /// Submits every band with its read-back: each is copied before the next one is drawn in its place.
+    /// Submits every band with its read-back, and that of its layers: each is copied before the next one is drawn in its place.
     pub(super) fn begin_bands(
         &mut self,
         camera: &Camera,
         size: [u32; 2],
         bands: &[Band],
+        layers: &[LayerTask],
     ) -> Result<BandsInFlight, RenderError> {
         let gpu = self.gpu.clone();
-        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new() };
+        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new(), layers: Vec::new() };
+        in_flight.layers.extend(layers.iter().map(LayerTask::empty));
         for band in bands {
             let scopes = gpu.catch_errors();
             self.judge_clocks(camera, size, band)?;
@@ -68,8 +74,9 @@ impl Renderer {
             };
             let mut read = |texture, bytes| TextureReadBack::new(&gpu, &mut encoder, texture, bytes);
             let (radiance, display) = (read(&target.output.radiance, 16), read(&target.output.display, 4));
-            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, timings });
             gpu.queue.submit([encoder.finish()]);
+            let layers = self.begin_layers(camera, size, band, layers)?;
+            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, layers, timings });
             scopes.finish()?;
         }
         Ok(in_flight)
@@ -158,7 +165,7 @@ impl Renderer {
         self.gpu.wait()
     }
 
-    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+    pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
         let largest =
             self.gpu.device.limits().max_texture_dimension_2d / self.settings().techniques.supersample;
         in_range("picture width", width, 1..=largest)?;
@@ -194,8 +201,7 @@ impl Renderer {
         };
         let samples = settings.techniques.supersample;
         let sample_size = size.map(|side| side * samples);
-        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.geometry.bounds());
-        let matrices = matrices.cropped(height, rows);
+        let matrices = self.matrices(camera, [width, height], rows);
         self.write_uniforms((lit, target), camera, &matrices, sample_size);
 
         let mut recorder = Recorder::new(&self.gpu, encoder, clock);
@@ -256,29 +262,55 @@ impl Renderer {
         Ok(recorder.finish())
     }
 
+    /// Of some rows of a picture of `width` x `height` pixels.
+    pub(super) fn matrices(
+        &self,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        rows: Range<u32>,
+    ) -> CameraMatrices {
+        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.geometry.bounds());
+        matrices.cropped(height, rows)
+    }
+
     fn write_uniforms(
         &self,
         (lit, target): (&Lit, &Target),
         camera: &Camera,
         matrices: &CameraMatrices,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
     ) {
+        self.gpu.write(&self.view, &self.view_of((lit, target), matrices, size));
+        let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
+        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+        self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+    }
+
+    /// The view of a picture of so many samples.
+    pub(super) fn view_of(
+        &self,
+        (lit, target): (&Lit, &Target),
+        matrices: &CameraMatrices,
+        [width, height]: [u32; 2],
+    ) -> layout::View {
         let (interleave, plan) = (target.gbuffer.interleave, &target.points.plan);
         let Chosen { settings, unshadowed, .. } = &self.state.chosen;
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
-        let view = layout::View {
+        layout::View {
             clip_from_world: matrices.clip_from_world,
             world_from_clip: matrices.world_from_clip,
             eye_world: matrices.eye_world,
             size: [width, height].into(),
-            flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
+            flags: flag(settings.display.background == Background::Environment, layout::FLAG_BACKGROUND)
                 | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
+                | flag(plan.planes.wide, layout::FLAG_WIDE_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
                 | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
+                | flag(mirrors_scene(lit), layout::FLAG_MIRRORED_SCENE)
                 | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
@@ -292,17 +324,15 @@ impl Renderer {
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,
-        };
-        self.gpu.write(&self.view, &view);
-        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
-        self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+        }
     }
 
     /// The sums of light that scene and lights ask for.
     fn sum_planes(&self) -> SumPlanes {
         SumPlanes {
             specular: self.surfaces.iter().any(|surface| !surface.is_matte()),
-            near: !self.near_lights.is_empty(),
+            near: !self.near_lights.is_empty() || self.state.lit.as_ref().is_some_and(mirrors_scene),
+            wide: self.has_wide_sums,
         }
     }
 
@@ -318,7 +348,7 @@ impl Renderer {
         if let Some(lit) = &mut self.state.lit {
             let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
             let lights = (&lit.lighting, self.near_lights.as_slice());
-            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), only);
+            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), (only, &self.light_groups));
         }
         Ok(())
     }
@@ -345,16 +375,23 @@ impl Renderer {
     fn new_target(&self, size: [u32; 2], plan: PointPlan) -> Result<Target, RenderError> {
         let gpu = &self.gpu;
         let composed = self.composed();
-        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+        let usage = wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
         let [width, height] = size.map(|side| side * composed);
-        let values = gpu
-            .texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage)
-            .create_view(&Default::default());
+        let values = gpu.texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage);
+        let view = values.create_view(&Default::default());
         Ok(Target {
             gbuffer: self.passes.gbuffer.target(gpu, &self.materials, plan.sample_size, plan.supersample),
-            points: self.passes.points.points(gpu, plan, &values)?,
-            output: self.passes.resolve.output(gpu, &values, size),
+            points: self.passes.points.points(gpu, plan, &view)?,
+            output: self.passes.resolve.output(gpu, &view, size),
+            values,
             composed,
+            seen: None,
         })
     }
+}
+
+fn mirrors_scene(lit: &Lit) -> bool {
+    lit.gloss.as_ref().is_some_and(|gloss| gloss.mirrors_scene)
 }

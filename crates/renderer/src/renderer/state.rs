@@ -65,12 +65,14 @@ pub(super) struct Surroundings<'a> {
 impl Lit {
     /// What sums of light are multiplied by to be kept in halves ([`layout::View::sum_scales`]).
     pub fn sum_scales(&self) -> Vec3 {
-        // The mean of a lobe's samples is no brighter than the brightest texel.
-        let specular = match self.gloss.is_some() && self.lighting.peak > 0.0 {
-            true => 16384.0 / self.lighting.peak,
-            false => self.batches.sum_scales().y,
-        };
-        self.batches.sum_scales().with_y(specular)
+        let scales = self.batches.sum_scales();
+        let Some(gloss) = self.gloss.as_ref().filter(|_| self.lighting.peak > 0.0) else { return scales };
+        // The mean of a lobe's samples is no brighter than the brightest texel, and what other surfaces send is about as bright at most.
+        let specular = 16384.0 / self.lighting.peak;
+        match gloss.mirrors_scene {
+            true => scales.with_y(specular).with_z(scales.z.min(specular)),
+            false => scales.with_y(specular),
+        }
     }
 }
 

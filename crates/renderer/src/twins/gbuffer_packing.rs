@@ -124,3 +124,20 @@ fn colours() {
     let body = format!("vec4f({REFLECTANCE}.metallic, 0.0, 0.0, 0.0)");
     compare("gbuffer_packing", &body, 8e-3, input, |inputs| super::scalar(twin(inputs).metallic));
 }
+
+#[test]
+fn normals_of_corners() {
+    use gnomon_shaders::twin::hit_normals::{pack_thirds, unpack_third};
+    for which in 0..3 {
+        let body =
+            format!("vec4f(unpack_third(pack_thirds(a.xyz, b.xyz, vec3f(0.0, 0.0, 1.0)), {which}u), 0.0)");
+        let input = |u, v| [unit_vector(u).extend(0.0), unit_vector(v).extend(0.0)];
+        // Ten bits a coordinate.
+        let step = 3e-3;
+        compare("hit_normals", &body, step, input, |[a, b]| {
+            unpack_third(pack_thirds(a.truncate(), b.truncate(), Vec3::Z), which).extend(0.0)
+        });
+        compare("hit_normals", &body, step, input, |[a, b]| [a, b, Vec4::Z][which]);
+    }
+    assert_eq!(unpack_third(pack_thirds(Vec3::X, Vec3::ZERO, Vec3::Z), 1), Vec3::ZERO);
+}

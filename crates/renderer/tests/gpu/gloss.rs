@@ -1,4 +1,6 @@
-//! What glossy surfaces reflect of the environment, and what the scene hides of it.
+//! What glossy surfaces reflect of the environment and of the scene.
+
+use std::sync::Arc;
 
 use crate::common::*;
 use glam::{Vec2, Vec3};
@@ -6,8 +8,9 @@ use gnomon_brdf::Surface;
 use gnomon_lights::{FitOptions, LightSet};
 use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;
-use gnomon_renderer::{GlossPath, RenderSettings};
-use gnomon_scene::{Camera, Material};
+use gnomon_reference::ReferenceOptions;
+use gnomon_renderer::{GlossPath, Reflections, RenderSettings};
+use gnomon_scene::{Camera, Material, MaterialId, Scene, Texture, TextureId, TextureRef, Wrap};
 use gnomon_testing::tolerances;
 
 fn metal(roughness: f32) -> Material {
@@ -19,8 +22,13 @@ fn metal(roughness: f32) -> Material {
 fn settings(gloss: GlossPath) -> RenderSettings {
     RenderSettings::default().with(|s| {
         s.techniques.gloss = gloss;
-        s.display.background = false;
+        s.paths.reflections = Reflections::Off;
+        s.display.background = gnomon_renderer::Background::None;
     })
+}
+
+fn reflecting() -> RenderSettings {
+    settings(GlossPath::Rays).with(|s| s.paths.reflections = Reflections::Scene)
 }
 
 /// Values above four times the mean are highlights of which a path tracer's noise tells little.
@@ -84,5 +92,74 @@ fn a_traced_furnace_gives_its_directional_albedo() {
         let seen = frame.radiance.get(2, 2).x;
         println!("roughness {roughness}: {seen}, {albedo}");
         assert!((seen - albedo).abs() < tolerances::GLOSS_FURNACE, "roughness {roughness}: {seen}, {albedo}");
+    }
+}
+
+/// A metal plate below one that shines, whose light goes only the way that is asked about.
+#[test]
+fn what_shines_is_seen_in_a_mirror() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (map, light) = (no_light(), Vec3::new(2.0, 1.0, 0.5));
+    let set = LightSet::new("none", Vec::new(), map.clone());
+    let plate = |y| horizontal(Vec2::splat(-50.0), Vec2::splat(50.0), y);
+    let mut scene = scene_of(vec![plate(0.0), plate(1.0)], metal(0.15));
+    scene.materials.push(Material { emissive: light, ..Material::default() });
+    Arc::make_mut(&mut scene.meshes[1]).material = Some(MaterialId(1));
+    let camera = Camera::look_at(Vec3::new(0.0, 0.9, 1.0), Vec3::ZERO, 0.5);
+    let seen = |settings| render(&gpu, settings, &scene, &map, &set, &camera, [32, 24]).radiance.get(16, 12);
+    let mirrored = seen(reflecting()) / light;
+    println!("{mirrored}");
+    assert!((mirrored - 1.0).abs().max_element() < 0.02, "{mirrored}");
+    assert_eq!(seen(settings(GlossPath::Rays)), Vec3::ZERO);
+}
+
+/// A metal ball on a chequered floor.
+fn ball_on_checks(roughness: f32) -> Scene {
+    let mut floor = horizontal(Vec2::splat(-4.0), Vec2::splat(4.0), -1.0);
+    floor.uvs[0] = floor.positions.iter().map(|p| Vec2::new(p.x, p.z) * 0.125).collect();
+    let mut scene = scene_of(vec![sphere(), floor], metal(roughness));
+    let texel =
+        |i: u32| if (i % 8 + i / 8).is_multiple_of(2) { [230, 230, 230, 255] } else { [20, 60, 120, 255] };
+    let rgba8 = (0..64).map(texel).collect();
+    scene.textures.push(Arc::new(Texture {
+        width: 8,
+        height: 8,
+        rgba8,
+        wrap: [Wrap::Repeat; 2],
+        nearest: true,
+    }));
+    let texture = TextureRef { texture: TextureId(0), set: 0, uv_from_mesh: glam::Affine2::IDENTITY };
+    scene.materials.push(Material { base_color_texture: Some(texture), ..Material::default() });
+    Arc::make_mut(&mut scene.meshes[1]).material = Some(MaterialId(1));
+    scene
+}
+
+#[test]
+fn a_ball_reflects_its_floor_as_the_ray_tracer_has_it() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = gnomon_envmap::builtin::by_name("sky").unwrap().resized(256, 128);
+    let set = gnomon_lights::fit::by_name("optimized", &FitOptions::default()).unwrap().fit(&map).unwrap();
+    let camera = Camera::look_at(Vec3::new(0.0, 1.5, 6.0), Vec3::new(0.0, -0.2, 0.0), 0.5);
+    let options = ReferenceOptions {
+        width: 64,
+        height: 48,
+        samples_per_pixel: 256,
+        background: false,
+        ..Default::default()
+    };
+    for roughness in [0.05, 0.4] {
+        let scene = ball_on_checks(roughness);
+        let truth = gnomon_reference::render(&scene, &camera, &map, &options).unwrap().mean;
+        let sum: Vec3 = truth.texels().iter().copied().sum();
+        let most = Vec3::splat(4.0 * sum.element_sum() / (3 * truth.texels().len()) as f32);
+        let clamped = |of: &RgbImage| RgbImage::from_fn(64, 48, |x, y| of.get(x, y).min(most));
+        let error = |settings| {
+            let drawn = render(&gpu, settings, &scene, &map, &set, &camera, [64, 48]).radiance;
+            compare(&clamped(&drawn), &clamped(&truth), None).unwrap().relative_rmse
+        };
+        let (scene, light) = (error(reflecting()), error(settings(GlossPath::Rays)));
+        println!("roughness {roughness}: {scene:.4}, light alone {light:.4}");
+        assert!(scene <= tolerances::GLOSS_OF_SCENE, "roughness {roughness}: {scene}");
+        assert!(light > 2.0 * scene, "the measure tells: {light}");
     }
 }

@@ -33,6 +33,10 @@ super::constants! {
     pub const FLAG_TRACED_GLOSS: u32 = 64;
     /// [`View::flags`]: unshadowed specular light is that of samples of the lobe.
     pub const FLAG_SAMPLED_GLOSS: u32 = 128;
+    /// [`View::flags`]: among the specular sums of near light is what lobes reflect of the scene.
+    pub const FLAG_MIRRORED_SCENE: u32 = 256;
+    /// [`View::flags`]: sums of light are kept in floats.
+    pub const FLAG_WIDE_SUMS: u32 = 512;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
@@ -52,6 +56,8 @@ super::constants! {
     pub const MAX_BATCH_LIGHTS: u32 = 160;
     /// [`Batch::flags`]: nothing has been summed before.
     pub const FLAG_FIRST: u32 = 1;
+    /// [`Batch::group`]: all lights are let through.
+    pub const ALL_GROUPS: u32 = u32::MAX;
 
     /// Words of the buffer that keeps account of points: points listed so far, by all stages.
     pub const WORK_POINTS: u32 = 0;
@@ -191,6 +197,8 @@ super::structs! {
         pub to_distance: f32,
         /// What depths are compared with moves by so much of the technique's bias: a map may be small for its depths.
         pub bias_scale: f32,
+        /// Lights with one number make one layer.
+        pub group: u32,
         /// Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
         pub vector_irradiance: Vec3,
         /// Place in the frame's list of lights, whatever batch it is in.
@@ -205,6 +213,8 @@ super::structs! {
         pub end_light: u32,
         /// FLAG constants.
         pub flags: u32,
+        /// The [`Light::group`] whose light is let through, or [`ALL_GROUPS`].
+        pub group: u32,
     }
 
     /// A small bright part of an environment, in its own frame: a disk of uniform radiance.

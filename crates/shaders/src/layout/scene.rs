@@ -89,6 +89,8 @@ super::structs! {
         pub end_texture: u32,
         /// 1 where vertex colours multiply the emission, else 0.
         pub emissive_vertex_colors: u32,
+        /// 1 where it shows what is behind the scene, darkened by shadows.
+        pub catches: u32,
     }
 
     /// A texture as a material uses it.

@@ -13,6 +13,16 @@ super::constants! {
     pub const RAY_INSTANCE: u32 = 7;
     /// Points of a light that rays go to.
     pub const LIGHT_POINTS: u32 = 64;
+    /// Directions that stand for the sky where a ray meets the scene.
+    pub const SKY_SAMPLES: u32 = 1024;
+    /// So many of them that follow one another are spread over the whole sky.
+    pub const SKY_BLOCK: u32 = 32;
+    /// Triangles in a row of the texture of what rays meet, two texels each.
+    pub const HIT_TRIANGLES_A_ROW: u32 = 1024;
+    /// Texels of a material as reflections see it.
+    pub const FAR_MATERIAL_TEXELS: u32 = 5;
+    /// Materials in a row of their texture.
+    pub const FAR_MATERIALS_A_ROW: u32 = 256;
 }
 
 super::structs! {

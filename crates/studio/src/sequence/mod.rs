@@ -110,6 +110,13 @@ impl Sequence {
         look
     }
 
+    /// The look of a frame with pose and camera of the one before: what motion is measured from. Nothing was before frame 0, which stands
+    /// still.
+    pub fn look_before(&self, frame: u32) -> Look {
+        let before = self.look(frame.saturating_sub(1));
+        Look { animation: before.animation, camera: before.camera, ..self.look(frame) }
+    }
+
     /// Everything that the pixels of all frames depend on, in words, and a digest of it: `how` says what draws them. Files count by what is
     /// in them, not by their names and times.
     pub fn description(&self, stage: &Stage, how: Value) -> (Value, String) {
