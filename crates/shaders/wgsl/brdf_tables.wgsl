@@ -10,11 +10,11 @@
 
 const QUARTER: f32 = 1.5707963;
 
-fn spread(argument: f32, scale: f32) -> f32 {
+fn spread_place(argument: f32, scale: f32) -> f32 {
     return select(argument, argument * (1.0 + scale) / max(argument + scale, 1e-30), scale > 0.0);
 }
 
-fn unspread(place: f32, scale: f32) -> f32 {
+fn unspread_place(place: f32, scale: f32) -> f32 {
     return select(place, scale * place / max(1.0 + scale - place, 1e-30), scale > 0.0);
 }
 
@@ -113,7 +113,7 @@ fn tables_lobe(lobe: Lobe, wo: vec3f, wi: vec3f) -> vec3f {
         let factor = table_factors[i];
         let arguments = table_arguments(factor, own_wo, own_wi, h);
         let second = select(0.0, factor.scale, factor.coordinates == TABLE_COSINES);
-        let at = vec2f(spread(arguments.x, factor.scale), spread(arguments.y, second));
+        let at = vec2f(spread_place(arguments.x, factor.scale), spread_place(arguments.y, second));
         let size = vec2u(factor.columns, factor.rows);
         let value = table_at(factor.layer, factor.first_row, size, at, factor.periodic != 0u);
         if factor.tint == TABLE_MULTIPLIES {
@@ -128,7 +128,7 @@ fn tables_lobe(lobe: Lobe, wo: vec3f, wi: vec3f) -> vec3f {
 
 // sin^2(delta / 2) of a column's lower border.
 fn proposal_border(tables: TableSet, column: u32) -> f32 {
-    let s = sin(0.5 * QUARTER * unspread(f32(column) / f32(tables.proposal_columns), tables.proposal_scale));
+    let s = sin(0.5 * QUARTER * unspread_place(f32(column) / f32(tables.proposal_columns), tables.proposal_scale));
     return s * s;
 }
 
@@ -177,7 +177,7 @@ fn proposal_sample(tables: TableSet, u: vec2f) -> vec3f {
 fn proposal_density(tables: TableSet, h: vec3f) -> f32 {
     let is_pole = h.x == 0.0 && h.y == 0.0;
     let delta = select(atan2(length(h.xy), h.z) / QUARTER, 0.0, is_pole);
-    let column = min(u32(spread(delta, tables.proposal_scale) * f32(tables.proposal_columns)), tables.proposal_columns - 1u);
+    let column = min(u32(spread_place(delta, tables.proposal_scale) * f32(tables.proposal_columns)), tables.proposal_columns - 1u);
     let row = min(u32(wrapped_angle(h.y, h.x, TAU) * f32(tables.proposal_rows)), tables.proposal_rows - 1u);
     return table_texel(tables.proposal_layer, tables.proposal_row + row, column).y;
 }
@@ -210,7 +210,7 @@ fn tables_equivalent_roughness(lobe: Lobe) -> f32 {
 
 fn tables_albedo(lobe: Lobe, n_dot_v: f32, ggx: vec2f) -> vec3f {
     let tables = table_sets[u32(lobe.shape)];
-    let x = spread(n_dot_v, TABLE_ALBEDO_SCALE);
+    let x = spread_place(n_dot_v, TABLE_ALBEDO_SCALE);
     let size = vec2u(tables.albedo_columns, 2u);
     return lobe.tint.rgb * table_at(tables.albedo_layer, tables.albedo_row, size, vec2f(x, 0.0), false)
         + lobe.tint.w * table_at(tables.albedo_layer, tables.albedo_row, size, vec2f(x, 1.0), false);
