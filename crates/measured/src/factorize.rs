@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
 use gnomon_brdf::Tables;
-use gnomon_brdf::tables::{Coordinates, Factor, Table, Term, Tint, unspread};
+use gnomon_brdf::tables::{Coordinates, Factor, Table, Term, Tint, unspread_place};
 
 use crate::Measurement;
 
@@ -42,7 +42,7 @@ struct Places {
 
 fn half_vectors(rows: usize) -> Places {
     let step = 1.0 / (HALF_COLUMNS - 1) as f32;
-    let angle = |place: f32| FRAC_PI_2 * unspread(place.clamp(0.0, 1.0), HALF_SCALE);
+    let angle = |place: f32| FRAC_PI_2 * unspread_place(place.clamp(0.0, 1.0), HALF_SCALE);
     let mut places = Places { angles: Vec::new(), weights: Vec::new() };
     for row in 0..rows {
         for column in 0..HALF_COLUMNS {

@@ -2,7 +2,7 @@
 //! view, by least squares with a smoothness term. One product of positive tables.
 
 use glam::{Vec2, Vec3};
-use gnomon_brdf::tables::{Coordinates, Factor, Table, Term, Tint, spread};
+use gnomon_brdf::tables::{Coordinates, Factor, Table, Term, Tint, spread_place};
 use gnomon_brdf::{Tables, sample_cosine_hemisphere};
 
 use crate::Measurement;
@@ -52,9 +52,9 @@ pub fn homomorphic(measurement: &Measurement) -> Tables {
             let along = f64::from(place - low as f32);
             terms.extend([(first + low, 1.0 - along), (first + low + 1, along)]);
         };
-        add(0, HALF, spread(Coordinates::Half.arguments(*wo, *wi)[0], HALF_SCALE));
-        add(HALF, COSINES, spread(wi.z, COSINE_SCALE));
-        add(HALF, COSINES, spread(wo.z, COSINE_SCALE));
+        add(0, HALF, spread_place(Coordinates::Half.arguments(*wo, *wi)[0], HALF_SCALE));
+        add(HALF, COSINES, spread_place(wi.z, COSINE_SCALE));
+        add(HALF, COSINES, spread_place(wo.z, COSINE_SCALE));
         for &(i, a) in &terms {
             for &(j, b) in &terms {
                 normal[i * count + j] += a * b;

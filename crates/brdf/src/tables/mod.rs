@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 pub use coordinates::Coordinates;
 pub use proposal::Proposal;
-pub use table::{Table, spread, unspread};
+pub use table::{Table, spread_place, unspread_place};
 
 use crate::sampling::{half_vector, hammersley, reflect};
 use crate::{LightPatch, MIN_N_DOT_V, sample_cosine_hemisphere};
@@ -31,7 +31,7 @@ pub enum Tint {
 pub struct Factor {
     /// Arguments.
     pub coordinates: Coordinates,
-    /// Where the first argument's columns lie, see [`spread`].
+    /// Where the first argument's columns lie, see [`spread_place`].
     pub scale: f32,
     /// Values.
     pub table: Table,
@@ -85,7 +85,7 @@ impl Tables {
         for tint in tints {
             for column in 0..ALBEDO_COLUMNS {
                 let place = column as f32 / (ALBEDO_COLUMNS - 1) as f32;
-                let n_dot_v = unspread(place, ALBEDO_SCALE).max(MIN_N_DOT_V);
+                let n_dot_v = unspread_place(place, ALBEDO_SCALE).max(MIN_N_DOT_V);
                 let views = proposal.reflected(n_dot_v, |wo, wi| sum(&terms, tint, wo, wi));
                 albedo.push(views.iter().sum::<Vec3>() / views.len() as f32);
                 most = views.iter().map(|view| view.max_element()).fold(most, f32::max);
@@ -184,7 +184,7 @@ impl Tables {
 
     /// Share of uniform light that is reflected under a tint.
     pub(crate) fn albedo(&self, tint: Vec4, n_dot_v: f32) -> Vec3 {
-        let x = spread(n_dot_v, ALBEDO_SCALE);
+        let x = spread_place(n_dot_v, ALBEDO_SCALE);
         tint.truncate() * self.albedo.at(x, 0.0, false) + tint.w * self.albedo.at(x, 1.0, false)
     }
 
@@ -265,7 +265,7 @@ impl Factor {
         let table = Table::from_fn(columns, rows, |x, y| {
             let y = if coordinates.is_periodic() { y * (rows - 1) as f32 / rows as f32 } else { y };
             let [first, second] = coordinates.spread_both(scale);
-            value(unspread(x, first), unspread(y, second))
+            value(unspread_place(x, first), unspread_place(y, second))
         });
         Self { coordinates, scale, table }
     }
@@ -279,7 +279,7 @@ impl Factor {
     pub fn value(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         let [x, y] = self.coordinates.arguments(wo, wi);
         let [first, second] = self.coordinates.spread_both(self.scale);
-        self.table.at(spread(x, first), spread(y, second), self.coordinates.is_periodic())
+        self.table.at(spread_place(x, first), spread_place(y, second), self.coordinates.is_periodic())
     }
 }
 

@@ -3,7 +3,7 @@ use std::f32::consts::{FRAC_2_PI, PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::quarter_angle;
-use super::table::{Table, spread, unspread};
+use super::table::{Table, spread_place, unspread_place};
 use crate::sampling::reflect;
 
 /// A density of half vectors, constant over cells of their angle delta to the normal and of their azimuth: what samples of tables are drawn
@@ -28,7 +28,7 @@ const ISOTROPIC_AZIMUTHS: usize = 24;
 
 /// `sin^2 (delta / 2)` of a column's lower border: where cells are cut evenly in solid angle, `1 - cos` without its rounding.
 fn half_sine2(place: f32, scale: f32) -> f32 {
-    let sine = (0.5 * quarter_angle(unspread(place, scale))).sin();
+    let sine = (0.5 * quarter_angle(unspread_place(place, scale))).sin();
     sine * sine
 }
 
@@ -160,7 +160,7 @@ impl Proposal {
         &self.cells
     }
 
-    /// Where its columns lie, see [`spread`].
+    /// Where its columns lie, see [`spread_place`].
     pub fn scale(&self) -> f32 {
         self.scale
     }
@@ -182,7 +182,7 @@ impl Proposal {
     /// Density of `sample` [1/sr] at a half vector above the surface.
     pub(super) fn density(&self, h: Vec3) -> f32 {
         let delta = FRAC_2_PI * (h.x * h.x + h.y * h.y).sqrt().atan2(h.z);
-        let column = ((spread(delta, self.scale) * COLUMNS as f32) as usize).min(COLUMNS - 1);
+        let column = ((spread_place(delta, self.scale) * COLUMNS as f32) as usize).min(COLUMNS - 1);
         let rows = self.cells.rows();
         let turns = h.y.atan2(h.x) / TAU;
         let row = (((turns - turns.floor()) * rows as f32) as usize).min(rows - 1);

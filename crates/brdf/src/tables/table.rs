@@ -66,12 +66,12 @@ impl Table {
 
 /// Where in a table an argument in `[0, 1]` lies: half of the columns are for arguments below `scale / (1 + 2 scale)`, about `scale` where
 /// that is small. 0 spreads nothing.
-pub fn spread(argument: f32, scale: f32) -> f32 {
+pub fn spread_place(argument: f32, scale: f32) -> f32 {
     if scale > 0.0 { argument * (1.0 + scale) / (argument + scale) } else { argument }
 }
 
-/// The argument that [`spread`] puts there.
-pub fn unspread(place: f32, scale: f32) -> f32 {
+/// The argument that [`spread_place`] puts there.
+pub fn unspread_place(place: f32, scale: f32) -> f32 {
     if scale > 0.0 { scale * place / (1.0 + scale - place) } else { place }
 }
 
@@ -84,7 +84,7 @@ mod tests {
         for scale in [0.0, 0.01, 0.3, 2.0] {
             for i in 0..=20 {
                 let argument = i as f32 / 20.0;
-                assert!((unspread(spread(argument, scale), scale) - argument).abs() < 1e-5);
+                assert!((unspread_place(spread_place(argument, scale), scale) - argument).abs() < 1e-5);
             }
         }
     }
