@@ -9,7 +9,8 @@ use std::process::Stdio;
 
 use support::{command, files, gnomon};
 
-const COMMANDS: [&str; 7] = ["render", "reference", "decompose", "compare", "inspect", "info", "demo"];
+const COMMANDS: [&str; 8] =
+    ["render", "reference", "reflectance", "decompose", "compare", "inspect", "info", "demo"];
 
 #[test]
 fn help_names_every_command_and_every_command_has_help() {

@@ -54,7 +54,7 @@ impl Tracer<'_> {
         if point.catches {
             return self.behind(ray) * self.share_left(&point, direct);
         }
-        if !(self.reflections && point.surface.layers().lobe.is_present()) {
+        if !(self.reflections && point.layers().lobe.is_present()) {
             return direct;
         }
         let mirrored = Decision::Mirrored;
@@ -79,7 +79,7 @@ impl Tracer<'_> {
 
     /// What the glossy lobe reflects towards `wo` of the scene in direct light: one sample of the lobe.
     fn mirrored(&self, point: &HitPoint, wo: Vec3, direction: DVec2, beyond: [DVec2; 4]) -> Vec3 {
-        let (frame, lobe) = (&point.frame, point.surface.layers().lobe);
+        let (frame, lobe) = (&point.frame, point.layers().lobe);
         let wo_local = frame.local_from_world(wo);
         let wi_local = lobe.sample(wo_local, to_vec2(direction));
         let pdf = lobe.pdf(wo_local, wi_local);
@@ -128,7 +128,7 @@ impl Tracer<'_> {
         [direction, choice]: [DVec2; 2],
     ) -> Vec3 {
         let frame = &point.frame;
-        let layers = point.surface.layers();
+        let layers = point.layers();
         let wo_local = frame.local_from_world(wo);
         let lifted = point.lifted();
         let light = light.aim(lifted, frame.n);

@@ -1,6 +1,10 @@
+use std::sync::Arc;
+
 use glam::{Mat3, Vec2, Vec3, Vec3A};
-use gnomon_brdf::{Frame, Surface};
-use gnomon_scene::{Gradients, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix};
+use gnomon_brdf::{Frame, Layers, Surface, Tables};
+use gnomon_scene::{
+    Gradients, Material, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix,
+};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -32,6 +36,8 @@ struct Instance {
     normal_from_mesh: Mat3,
     /// -1 where its placement mirrors it, else 1.
     handedness: f32,
+    /// Of its material, where its model is tabulated.
+    tables: Option<Arc<Tables>>,
     /// Has an alpha mask.
     has_holes: bool,
     /// Is a catcher, which blocks no light.
@@ -68,7 +74,8 @@ pub(crate) struct HitPoint<'a> {
     pub(crate) frame: Frame,
     /// Distance along the normal that clears the rounding of `position` [m].
     pub(crate) clearance: f32,
-    pub(crate) surface: Surface,
+    surface: Surface,
+    tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
     /// Shows what is behind the scene; its surface then is matte.
     pub(crate) catches: bool,
@@ -76,7 +83,12 @@ pub(crate) struct HitPoint<'a> {
     pub(crate) relief: Option<(Relief<'a>, Vec2)>,
 }
 
-impl HitPoint<'_> {
+impl<'a> HitPoint<'a> {
+    /// Its reflectance.
+    pub(crate) fn layers(&self) -> Layers<'a> {
+        self.surface.layers().with_tables(self.tables)
+    }
+
     /// Start of a shadow ray on the viewer's side of the surface.
     pub(crate) fn lifted(&self) -> Vec3 {
         self.position + self.geometric_normal * self.clearance
@@ -92,6 +104,7 @@ impl<'a> TracedScene<'a> {
         let mut instances = Vec::new();
         let mut triangles = Vec::with_capacity(count);
         let pose = scene.pose();
+        let tables: Vec<_> = scene.materials.iter().map(Material::reflectance_tables).collect();
         for placed in scene.instances() {
             let instance = instances.len() as u32;
             let world_from_mesh = placed.world_from_mesh;
@@ -116,6 +129,7 @@ impl<'a> TracedScene<'a> {
             };
             instances.push(Instance {
                 mesh: placed.mesh,
+                tables: mesh.material.and_then(|material| tables[material.0].clone()),
                 normal_from_mesh,
                 handedness,
                 has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
@@ -196,6 +210,7 @@ impl<'a> TracedScene<'a> {
             frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
             clearance: CLEARANCE * largest,
             surface: if instance.catches { Surface::default() } else { point.surface },
+            tables: instance.tables.as_deref().filter(|_| !instance.catches),
             emissive: point.emissive,
             catches: instance.catches,
             relief: relief.filter(|_| is_front),

@@ -78,6 +78,7 @@ impl GBufferPass {
         let images = [depth, geometry, reflectance, frame, lit].map(wgpu::BindingResource::TextureView);
         let mut resources = vec![(0, materials.records.as_entire_binding())];
         resources.extend((1..).zip(images));
+        resources.extend(materials.tables.resources());
         gpu.bind_group("gbuffer", &self.read_layout, &resources)
     }
 }
@@ -107,7 +108,7 @@ impl GBufferPass {
         let material_layout = crate::materials::material_layout(gpu);
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let view_layout = gpu.layout("view", stages, &[(0, Binding::Uniform)]);
-        let read = [
+        let mut read = vec![
             (0, Binding::Storage { read_only: true }),
             (1, Binding::Depth { dimension: D2 }),
             (2, Binding::UintTexture),
@@ -115,6 +116,7 @@ impl GBufferPass {
             (4, Binding::UintTexture),
             (5, Binding::UintTexture),
         ];
+        read.extend(crate::materials::tables::bindings());
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
         let shader = gpu.shader("gbuffer", &[])?;
         let groups = [(layout::GROUP_FRAME, &view_layout), (layout::GROUP_SURFACE, &material_layout)];

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use ::toml::Spanned;
 use glam::{Affine2, Affine3A, DMat3, DVec3, EulerRot, Mat3, Quat, Vec2, Vec3};
+use gnomon_brdf::{BASE_COLOR, Model, SPECULAR, Tables};
 use gnomon_messages::quoted;
 use gnomon_scene::{
     Camera, Ground, Height, HeightMapId, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene,
@@ -210,6 +211,9 @@ struct MaterialEntry {
     emissive: Option<[f32; 3]>,
     double_sided: Option<bool>,
     height: Option<HeightEntry>,
+    /// A file of tables or of a measurement.
+    tables: Option<String>,
+    metal: Option<String>,
     /// Of the reflectance model.
     #[serde(flatten)]
     parameters: BTreeMap<String, Numbers>,
@@ -286,7 +290,7 @@ impl Reader<'_> {
         let mut scene = Scene::default();
         let mut materials = BTreeMap::new();
         for (name, entry) in &file.material {
-            let mut material = self.material(name, entry)?;
+            let mut material = self.material(name, entry, &mut scene.warnings, budget)?;
             if let Some(height) = &entry.get_ref().height {
                 material.height = Some(self.height(height, entry, budget, &mut scene)?);
             }
@@ -399,13 +403,44 @@ impl Reader<'_> {
         })
     }
 
-    fn material(&self, name: &str, spanned: &Spanned<MaterialEntry>) -> Result<Material, Fault> {
+    fn material(
+        &self,
+        name: &str,
+        spanned: &Spanned<MaterialEntry>,
+        warnings: &mut Vec<String>,
+        budget: &mut Budget,
+    ) -> Result<Material, Fault> {
         let entry = spanned.get_ref();
         let mistake = |message: String| self.at(spanned, format!("material '{}': {message}", quoted(name)));
         let mut material = Material { name: quoted(name), double_sided: true, ..Material::default() };
         let parameters = entry.parameters.iter().map(|(name, numbers)| (name.as_str(), numbers.as_slice()));
-        let settings = ReflectanceSettings::of_values(entry.reflectance.as_deref(), parameters);
-        settings.map_err(mistake)?.apply(&mut material.surface);
+        let metal = entry.metal.as_deref().map(ReflectanceSettings::of_metal).transpose().map_err(mistake)?;
+        let of_metal = metal.iter().flatten().map(|(name, values)| (*name, values.as_slice()));
+        let measured = entry.tables.as_ref().map(|_| Model::Measured.name());
+        let model = entry.reflectance.as_deref().or(measured);
+        let settings = ReflectanceSettings::of_values(model, parameters.chain(of_metal)).map_err(mistake)?;
+        settings.apply(&mut material.surface);
+        match &entry.tables {
+            Some(_) if settings.model() != Model::Measured => {
+                return Err(mistake(format!("{} makes its tables itself", settings.model().name())));
+            }
+            Some(file) => {
+                if settings.get(&SPECULAR).is_none() {
+                    material.surface.specular = 1.0;
+                }
+                if settings.get(&BASE_COLOR).is_none() {
+                    // The measurement is all of the surface.
+                    material.surface.base_color = Vec3::ZERO;
+                }
+                let (tables, warning) = self.tables(file, budget)?;
+                material.tables = Some(Arc::new(tables));
+                warnings.extend(warning.map(|warning| format!("material '{}': {warning}", quoted(name))));
+            }
+            None if settings.model() == Model::Measured => {
+                return Err(mistake("measured needs 'tables', a .bsdf, .binary or .json file".to_owned()));
+            }
+            None => {}
+        }
         if let Some(color) = entry.emissive {
             if !color.iter().all(|value| (0.0..=f32::MAX).contains(value)) {
                 return Err(mistake("emissive must be at least 0".to_owned()));
@@ -442,6 +477,15 @@ impl Reader<'_> {
             set: 0,
             scale: entry.scale,
         })
+    }
+
+    /// Tables of a file that this one names.
+    fn tables(&self, file: &str, budget: &mut Budget) -> Result<(Tables, Option<String>), Fault> {
+        let path = self.source.sibling(file);
+        let bytes = self.source.read(&path, budget)?;
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let loaded = gnomon_measured::load(&extension.unwrap_or_default(), &bytes);
+        loaded.map_err(|error| Fault::invalid(error.to_string()).at(&path).into())
     }
 
     fn environment(&self, spanned: &Spanned<EnvironmentEntry>) -> Result<EnvironmentSettings, Fault> {

@@ -1,5 +1,7 @@
+use std::sync::Arc;
+
 use glam::{Affine2, Vec2, Vec3};
-use gnomon_brdf::Surface;
+use gnomon_brdf::{Surface, Tables};
 
 use crate::Height;
 
@@ -85,6 +87,8 @@ pub struct Material {
     pub name: String,
     /// Factors.
     pub surface: Surface,
+    /// Tables of a file, for the model that has none of its own.
+    pub tables: Option<Arc<Tables>>,
     /// sRGB: base colour; alpha in A.
     pub base_color_texture: Option<TextureRef>,
     /// Linear: roughness in G, metallic in B.
@@ -121,6 +125,7 @@ impl Default for Material {
         Self {
             name: String::new(),
             surface: Surface::default(),
+            tables: None,
             base_color_texture: None,
             metallic_roughness_texture: None,
             normal_texture: None,
@@ -140,6 +145,14 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Tables of the glossy part, where its model is tabulated: the file's, or those that the model makes of its parameters.
+    pub fn reflectance_tables(&self) -> Option<Arc<Tables>> {
+        if !self.surface.model.is_tabulated() {
+            return None;
+        }
+        self.surface.tables().map(Arc::new).or_else(|| self.tables.clone())
+    }
+
     /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map.
     pub fn tangent_set(&self) -> Option<usize> {
         let needs_tangent = self.surface.model.needs_tangent();

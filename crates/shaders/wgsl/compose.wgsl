@@ -88,7 +88,7 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
         let layer = cached_layer(surface.lobe);
         if is_traced || has_own_light {
             full_specular = fit_specular;
-        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u {
+        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u || is_tabulated(surface.lobe) {
             full_specular = sampled_specular(surface);
         } else if layer >= 0 {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);

@@ -9,6 +9,7 @@ pub mod info;
 pub mod inspect;
 mod level_of_detail;
 pub mod reference;
+pub mod reflectance;
 pub mod render;
 mod sequence;
 #[cfg(feature = "view")]

@@ -3,16 +3,18 @@
 use std::sync::Arc;
 
 use glam::{Affine2, UVec2, Vec2, Vec4};
-use gnomon_brdf::ROUGHNESS;
+use gnomon_brdf::{Model, ROUGHNESS, Surface};
 use gnomon_scene::{Height, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
 mod far;
+pub(crate) mod tables;
 
 pub(crate) use arrays::address;
 use arrays::{Plan, TextureArray, TextureUse, Textures, height_range};
 pub(crate) use far::FarMaterials;
+use tables::{PackedTables, TableTextures, TabulatedMaterials};
 
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::{Gpu, RenderError};
@@ -30,6 +32,9 @@ pub(crate) struct Materials {
     /// Of the scene.
     scene_textures: Textures,
     arrays: Vec<TextureArray>,
+    tabulated: TabulatedMaterials,
+    /// Reflectances that are tables.
+    pub tables: TableTextures,
     now: MaterialRecords,
     /// Whether the next frame takes over what is now.
     is_changed: bool,
@@ -39,6 +44,8 @@ pub(crate) struct Materials {
 pub(crate) struct MaterialRecords {
     records: Vec<layout::Material>,
     textures: Vec<layout::MaterialTexture>,
+    /// Where they are others than before.
+    tables: Option<(TabulatedMaterials, PackedTables)>,
 }
 
 /// The G-buffer numbers materials with 16 bits.
@@ -127,7 +134,10 @@ impl Materials {
             |needed| over("sizes and wrappings of one material's textures", needed as u64, slots.into()),
         )?;
 
-        let now = records(scene, &plan);
+        let tabulated =
+            TabulatedMaterials::new(scene.materials.iter(), before.map(|before| &before.tabulated));
+        let tables = TableTextures::new(gpu, &tabulated.packed(gpu)?);
+        let now = records(scene, &plan, &tabulated);
         let storage = wgpu::BufferUsages::STORAGE;
         let records = gpu.shared_buffer("materials", now.records.as_slice(), storage);
         let references = gpu.shared_buffer("material textures", now.textures.as_slice(), storage);
@@ -163,16 +173,25 @@ impl Materials {
             used,
             scene_textures,
             arrays,
+            tabulated,
+            tables,
             now,
             is_changed: false,
         })
     }
 
-    /// New parameters of the same materials; `None` where their number or a texture is another.
-    pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
+    /// New parameters of the same materials; `None` where their number or a texture is another, or tables are of other sizes.
+    pub fn records_of(&self, gpu: &Gpu, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
         let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
-        (same_uses && self.scene_textures.are_those_of(scene)).then(|| records(scene, &self.plan))
+        if !same_uses || !self.scene_textures.are_those_of(scene) {
+            return None;
+        }
+        let tabulated = TabulatedMaterials::new(scene.materials.iter(), Some(&self.tabulated));
+        let packed = tabulated.packed(gpu).ok().filter(|packed| self.tables.has_room_for(packed))?;
+        let records = records(scene, &self.plan, &tabulated);
+        let tables = (!tabulated.has_those_of(&self.tabulated)).then_some((tabulated, packed));
+        Some(MaterialRecords { tables, ..records })
     }
 
     /// Takes such parameters over, for the next frame.
@@ -185,6 +204,10 @@ impl Materials {
         if std::mem::take(&mut self.is_changed) {
             gpu.write(&self.records, self.now.records.as_slice());
             gpu.write(&self.textures, self.now.textures.as_slice());
+            if let Some((tabulated, packed)) = self.now.tables.take() {
+                self.tables.write(gpu, &packed);
+                self.tabulated = tabulated;
+            }
             if let Some(far) = far {
                 far.write(gpu, self);
             }
@@ -203,7 +226,7 @@ impl Materials {
 }
 
 /// Of every material, the default one last.
-fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
+fn records(scene: &Scene, plan: &Plan, tabulated: &TabulatedMaterials) -> MaterialRecords {
     let scene_textures = Textures::of(scene);
     let (mut records, mut references) = (Vec::new(), Vec::new());
     let default = Material::default();
@@ -224,20 +247,26 @@ fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
             });
         }
         let end_texture = references.len() as u32;
-        records.push(layout::Material { first_texture, end_texture, ..record(material, scene) });
+        let record = record(material, scene, tabulated.number(number));
+        records.push(layout::Material { first_texture, end_texture, ..record });
     }
-    MaterialRecords { records, textures: references }
+    MaterialRecords { records, textures: references, tables: None }
 }
 
-/// A material without its textures.
-fn record(material: &Material, scene: &Scene) -> layout::Material {
-    let surface = material.surface.of_its_model();
+/// A material without its textures, whose reflectance has the tables of a number.
+fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::Material {
+    let mut surface = material.surface.of_its_model();
+    if surface.model.is_tabulated() && tables.is_none() {
+        // Nothing glossy without tables, as on the CPU.
+        surface = Surface { model: Model::Lambert, ..surface }.of_its_model();
+    }
     let height_slope = material.height.map_or(Vec2::ZERO, |height| {
         let map = &scene.height_maps[height.map.0];
         height.scale * height_range(map) * UVec2::from(map.size()).as_vec2()
     });
     // Where heights are, textures have the whole roughness.
     let shared = material.height.is_some() && is_rough(material);
+    let shape = tables.map_or(surface.shape(), |number| number as f32);
     layout::Material {
         base_color: surface.base_color.extend(material.alpha),
         emissive: material.emissive,
@@ -250,8 +279,8 @@ fn record(material: &Material, scene: &Scene) -> layout::Material {
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
         catches: u32::from(material.catches),
         model: surface.model as u32,
-        shape: if shared { 1.0 } else { surface.shape() },
-        roughness: if shared { surface.shape() } else { 1.0 },
+        shape: if shared { 1.0 } else { shape },
+        roughness: if shared { shape } else { 1.0 },
         height_slope,
         ..Default::default()
     }

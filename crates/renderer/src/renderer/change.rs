@@ -259,7 +259,7 @@ impl Renderer {
         if looks_different {
             next.heights = Some(MaterialHeights::of(scene));
             next.surfaces = Some(scene.materials.iter().map(|material| material.surface).collect());
-            next.materials = Some(match self.materials.records_of(scene) {
+            next.materials = Some(match self.materials.records_of(gpu, scene) {
                 Some(records) => NextMaterials::Changed(records),
                 None => {
                     let materials =

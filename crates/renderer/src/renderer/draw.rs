@@ -254,7 +254,12 @@ impl Renderer {
             (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
         } else {
             if is_first {
-                self.passes.cache.encode(&mut recorder, cache, &lit.environment.cache);
+                self.passes.cache.encode(
+                    &mut recorder,
+                    cache,
+                    &lit.environment.cache,
+                    &self.materials.tables,
+                );
             }
             recorder.end_pass("radiance cache")?;
             let groups = [&lit.environment.compose, gbuffer_group];

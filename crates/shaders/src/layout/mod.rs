@@ -14,12 +14,14 @@ mod layers;
 mod picture;
 mod scene;
 mod shadow;
+mod tables;
 
 pub use frame::*;
 pub use layers::*;
 pub use picture::*;
 pub use scene::*;
 pub use shadow::*;
+pub use tables::*;
 
 /// A constant or type whose WGSL follows from the Rust one.
 trait InWgsl {
@@ -117,6 +119,7 @@ pub fn described() -> Vec<Struct> {
         picture::described_structs(),
         scene::described_structs(),
         shadow::described_structs(),
+        tables::described_structs(),
     ]
     .into_iter()
     .flatten()
@@ -132,6 +135,7 @@ pub(crate) static MODULE: LazyLock<String> = LazyLock::new(|| {
         picture::constants_in_wgsl(),
         scene::constants_in_wgsl(),
         shadow::constants_in_wgsl(),
+        tables::constants_in_wgsl(),
     ]
     .concat();
     described().iter().fold(constants, |text, declared| text + &declared.wgsl)
