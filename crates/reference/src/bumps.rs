@@ -20,7 +20,7 @@ impl Tracer<'_> {
     /// and as seen by the scene from its own place.
     pub(crate) fn scattered(&self, point: &HitPoint, sequence: &Sequence, index: u32) -> Vec3 {
         let Some((relief, mut uv)) = point.relief else { return Vec3::ZERO };
-        let albedo = point.surface.layers().diffuse;
+        let albedo = point.layers().diffuse;
         let mut n = point.frame.n;
         let mut throughput = albedo;
         let mut radiance = Vec3::ZERO;

@@ -74,7 +74,7 @@ pub(crate) struct HitPoint<'a> {
     pub(crate) frame: Frame,
     /// Distance along the normal that clears the rounding of `position` [m].
     pub(crate) clearance: f32,
-    surface: Surface,
+    pub(crate) surface: Surface,
     tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
     /// Shows what is behind the scene; its surface then is matte.
@@ -178,7 +178,7 @@ impl<'a> TracedScene<'a> {
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
-    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint<'a> {
+    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint<'_> {
         let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
         let index = triangle.index as usize;

@@ -75,9 +75,9 @@ impl GBufferPass {
         ([geometry, reflectance], relief): (&[wgpu::TextureView; 2], Option<&[wgpu::TextureView; 2]>),
     ) -> wgpu::BindGroup {
         let [frame, lit] = relief.unwrap_or(&self.no_relief);
-        let images = [depth, geometry, reflectance, frame, lit].map(wgpu::BindingResource::TextureView);
+        let images = [(1, depth), (2, geometry), (3, reflectance), (7, frame), (8, lit)];
         let mut resources = vec![(0, materials.records.as_entire_binding())];
-        resources.extend((1..).zip(images));
+        resources.extend(images.map(|(number, image)| (number, wgpu::BindingResource::TextureView(image))));
         resources.extend(materials.tables.resources());
         gpu.bind_group("gbuffer", &self.read_layout, &resources)
     }
@@ -113,8 +113,8 @@ impl GBufferPass {
             (1, Binding::Depth { dimension: D2 }),
             (2, Binding::UintTexture),
             (3, Binding::UintTexture),
-            (4, Binding::UintTexture),
-            (5, Binding::UintTexture),
+            (7, Binding::UintTexture),
+            (8, Binding::UintTexture),
         ];
         read.extend(crate::materials::tables::bindings());
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
@@ -196,9 +196,6 @@ pub(crate) fn pipeline(
     groups: Groups<'_>,
     depth_stencil: wgpu::DepthStencilState,
 ) -> wgpu::RenderPipeline {
-    let attribute = |array_stride, attributes| {
-        Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
-    };
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: Some(&gpu.pipeline_layout(groups)),

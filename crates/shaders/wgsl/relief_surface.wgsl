@@ -2,8 +2,8 @@
 
 // What is known of the bumps at a sample, for passes over the screen.
 
-@group(GROUP_SURFACE) @binding(4) var relief_frames: texture_2d<u32>;
-@group(GROUP_SURFACE) @binding(5) var relief_lit: texture_2d<u32>;
+@group(GROUP_SURFACE) @binding(7) var relief_frames: texture_2d<u32>;
+@group(GROUP_SURFACE) @binding(8) var relief_lit: texture_2d<u32>;
 
 struct Relief {
     // Whether there are any.

@@ -93,7 +93,9 @@ impl Stage {
     pub fn scene_file(&self) -> Result<String, StudioError> {
         self.written(&match self.source() {
             SceneSource::Files(files) => Place::Among(files.path().parent().unwrap_or(Path::new(""))),
-            SceneSource::Builtin(_) | SceneSource::File(_) => Place::Disk(Path::new("")),
+            SceneSource::Builtin(_) | SceneSource::File(_) | SceneSource::Made(_) => {
+                Place::Disk(Path::new(""))
+            }
         })
     }
 

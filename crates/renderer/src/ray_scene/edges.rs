@@ -124,7 +124,10 @@ impl EdgeParts {
     /// Words that stand with the corners of triangles ([`layout::SIDE_TURNED`] and [`layout::SIDE_SHEET`] with the third one), to be
     /// there before corners are.
     pub fn triangle_words(&self) -> Vec<u32> {
-        self.sides.iter().flat_map(|&side| [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, side << layout::SIDE_SHIFT]).collect()
+        self.sides
+            .iter()
+            .flat_map(|&side| [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, side << layout::SIDE_SHIFT])
+            .collect()
     }
 }
 

@@ -227,7 +227,17 @@ impl RayScene {
             true => Some(EdgeScene::new(gpu, pass, edge_parts, &shared, edge_nodes)?),
             false => None,
         };
-        Ok(Self { nodes, triangles, hits, instances, levels, hierarchies, edges, edges_of_meshes, is_stale: true })
+        Ok(Self {
+            nodes,
+            triangles,
+            hits,
+            instances,
+            levels,
+            hierarchies,
+            edges,
+            edges_of_meshes,
+            is_stale: true,
+        })
     }
 
     /// Vertices are elsewhere from now on.

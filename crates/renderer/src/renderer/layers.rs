@@ -228,7 +228,8 @@ impl Renderer {
             let scene = LitScene {
                 geometry: &self.geometry,
                 materials: &self.materials,
-                gbuffer: &target.gbuffer.group,
+                seen: &target.gbuffer,
+                view: &self.view_group,
                 points: &target.points,
                 is_first_band: false,
             };
