@@ -206,8 +206,8 @@ mod tests {
             (0..rows * columns).map(|place| value(place / columns, place % columns)).collect();
         let found = singular_vectors(&matrix, columns, 3);
         let sum = |i: usize, j: usize| found.iter().map(|(u, v)| u[i] * v[j]).sum::<f64>();
-        for place in 0..rows * columns {
-            assert!((sum(place / columns, place % columns) - matrix[place]).abs() < 1e-9);
+        for (place, value) in matrix.iter().enumerate() {
+            assert!((sum(place / columns, place % columns) - value).abs() < 1e-9);
         }
         let length = |k: usize| dot(&found[k].0, &found[k].0).sqrt();
         assert!(length(0) > 2.0 * length(1) && length(2) < 1e-9, "{} {} {}", length(0), length(1), length(2));

@@ -68,7 +68,7 @@ impl Experiment for Pictures {
         ];
         let mut table = Table::new("bumps", "Against the traced height field", &columns);
         let mut sheet =
-            ContactSheet::new("bumps_pictures", "Bumps, step by step, and traced", WAYS.len() + 1);
+            ContactSheet::new("bumps_pictures", "Bumps, step by step, and traced", WAYS.len() as u32 + 1);
         let fields = lab.pick(&FIELDS[..1], &FIELDS, &FIELDS);
         let lightings = lab.pick(&LIGHTINGS[..1], &LIGHTINGS, &LIGHTINGS);
         let mut environments = Vec::new();

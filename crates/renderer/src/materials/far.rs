@@ -36,16 +36,13 @@ impl FarMaterials {
         let mut used: Vec<TextureUse> = Vec::new();
         for (number, record) in materials.now.records.iter().enumerate() {
             for (texture, reference) in materials.textures_of(number, record) {
-                let is_new = !used.contains(&texture);
-                match texture {
-                    TextureUse::Colors(id) if reference.kind == layout::TEXTURE_BASE_COLOR => {
-                        if !colored.contains(&id) {
-                            colored.push(id);
-                        }
-                    }
-                    _ => {}
+                if let TextureUse::Colors(id) = texture
+                    && reference.kind == layout::TEXTURE_BASE_COLOR
+                    && !colored.contains(&id)
+                {
+                    colored.push(id);
                 }
-                if is_new {
+                if !used.contains(&texture) {
                     used.push(texture);
                 }
             }
