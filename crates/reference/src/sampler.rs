@@ -24,6 +24,8 @@ pub(crate) enum Decision {
     MirroredUnshadowedDirection,
     /// The choices for it.
     MirroredUnshadowedChoice,
+    /// Which of the surfaces that let light through a ray stops at: that of the camera, and that of a lobe.
+    Opacity,
 }
 
 /// Owen-scrambled Sobol points, two dimensions at a time, every pair of dimensions shuffled and scrambled on its own

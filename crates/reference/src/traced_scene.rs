@@ -1,6 +1,6 @@
 use glam::{Mat3, Vec3, Vec3A};
 use gnomon_brdf::{Frame, Surface};
-use gnomon_scene::{MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
+use gnomon_scene::{AlphaMode, MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -31,8 +31,8 @@ struct Instance {
     normal_from_mesh: Mat3,
     /// -1 where its placement mirrors it, else 1.
     handedness: f32,
-    /// Has an alpha mask.
-    has_holes: bool,
+    /// Lets rays through, all of them in some places or some of them everywhere.
+    has_alpha: bool,
     /// Its vertices, where a skin or morph targets move them.
     deformed: Option<WorldVertices>,
 }
@@ -111,7 +111,7 @@ impl<'a> TracedScene<'a> {
                 mesh: placed.mesh,
                 normal_from_mesh,
                 handedness,
-                has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
+                has_alpha: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
                 deformed,
             });
         }
@@ -119,24 +119,43 @@ impl<'a> TracedScene<'a> {
         Ok(Self { scene, instances, bvh, triangles })
     }
 
-    /// The nearest visible surface along a ray.
-    pub(crate) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let mut nearest = RayHit::none();
+    /// The surface that a ray stops at: the nearest one, or one behind it where that lets rays through. Then `chance`, uniform in [0, 1),
+    /// decides: what of it lies beyond a surface's opacity is the chance at those behind.
+    pub(crate) fn closest_hit(&self, ray: &Ray, mut chance: f64) -> Option<Hit> {
         let traversal = traversal_ray(ray)?;
-        self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
-            self.distance(ray, index).filter(|&t| t < traversal.tmax).unwrap_or(f32::INFINITY)
-        });
-        let triangle = nearest.primitive_id;
-        let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
-        Some(Hit { triangle, barycentrics })
+        let mut passed = 0.0;
+        loop {
+            let mut nearest = RayHit::none();
+            self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
+                let met = self.met(ray, index).map(|(t, _)| t);
+                met.filter(|&t| t > passed && t < traversal.tmax).unwrap_or(f32::INFINITY)
+            });
+            let triangle = nearest.primitive_id;
+            let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
+            let hit = Hit { triangle, barycentrics };
+            let opacity = f64::from(self.opacity(&hit));
+            if chance < opacity {
+                return Some(hit);
+            }
+            chance = (chance - opacity) / (1.0 - opacity);
+            passed = nearest.t;
+        }
     }
 
-    /// Whether anything lies along a ray before `distance` [m], which may be infinite.
-    pub(crate) fn is_occluded(&self, ray: &Ray, distance: f32) -> bool {
-        let Some(mut traversal) = traversal_ray(ray) else { return false };
+    /// Share of the light along a ray that nothing stops before `distance` [m], which may be infinite.
+    pub(crate) fn transmittance(&self, ray: &Ray, distance: f32) -> f32 {
+        let Some(mut traversal) = traversal_ray(ray) else { return 1.0 };
         // A lamp may touch what it hangs on: that is behind its front.
         traversal.tmax = distance * (1.0 - END_CLEARANCE);
-        !self.bvh.ray_traverse_miss(traversal, |_, index| self.distance(ray, index).unwrap_or(f32::INFINITY))
+        let mut left = 1.0;
+        let missed = self.bvh.ray_traverse_miss(traversal, |traversal, index| match self.met(ray, index) {
+            Some((t, opacity)) if t < traversal.tmax && opacity < 1.0 => {
+                left *= 1.0 - opacity;
+                f32::INFINITY
+            }
+            met => met.map_or(f32::INFINITY, |(t, _)| t),
+        });
+        if missed { left } else { 0.0 }
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
@@ -168,14 +187,20 @@ impl<'a> TracedScene<'a> {
         }
     }
 
-    /// Distance to a triangle where the ray meets it outside the holes of its mask.
-    fn distance(&self, ray: &Ray, index: usize) -> Option<f32> {
-        let triangle = &self.triangles[index];
-        let (t, barycentrics) = triangle.intersect(ray)?;
+    /// Distance to a triangle, and its opacity there, where it has any.
+    fn met(&self, ray: &Ray, index: usize) -> Option<(f32, f32)> {
+        let (t, barycentrics) = self.triangles[index].intersect(ray)?;
+        let opacity = self.opacity(&Hit { triangle: index as u32, barycentrics });
+        (opacity > 0.0).then_some((t, opacity))
+    }
+
+    fn opacity(&self, hit: &Hit) -> f32 {
+        let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
-        let visible = !instance.has_holes
-            || self.scene.visible_at(instance.mesh, triangle.index as usize, barycentrics);
-        visible.then_some(t)
+        match instance.has_alpha {
+            true => self.scene.opacity_at(instance.mesh, triangle.index as usize, hit.barycentrics),
+            false => 1.0,
+        }
     }
 }
 

@@ -85,6 +85,8 @@ pub(crate) struct LitScene<'a> {
     pub points: &'a ShadingPoints,
     /// Of the bands of a picture.
     pub is_first_band: bool,
+    /// Of what is lit in a band, layer after layer: the maps of others are those of the first.
+    pub is_first_layer: bool,
 }
 
 impl LightBatches {
@@ -302,7 +304,8 @@ impl LightBatches {
     /// The frame as the technique sees it for a batch.
     fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>, stage: &'a PointStage) -> FrameInputs<'a> {
         let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
-        let is_first_call = scene.is_first_band && stage.lists_tiles();
+        let is_stale =
+            scene.is_first_layer && stage.lists_tiles() && (scene.is_first_band || self.is_refitted);
         FrameInputs {
             geometry: scene.geometry,
             materials: scene.materials,
@@ -315,7 +318,7 @@ impl LightBatches {
                 casters: &batch.fitted.casters,
                 group: &batch.lights_group,
             },
-            same_lights: !(takes_turns || is_first_call || stage.lists_tiles() && self.is_refitted),
+            same_lights: !(takes_turns || is_stale),
         }
     }
 }

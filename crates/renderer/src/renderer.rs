@@ -5,6 +5,7 @@ use gnomon_picture::RgbImage;
 use gnomon_scene::{PlacedLight, Scene};
 use gnomon_shaders::layout;
 
+use crate::compose::Composed;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -80,8 +81,7 @@ struct Target {
     gbuffer: GBuffer,
     /// Where lights are summed.
     points: ShadingPoints,
-    /// Values along a pixel's side of what is composed: 1, or the samples of a debug view.
-    composed: u32,
+    composed: Composed,
     output: Output,
 }
 

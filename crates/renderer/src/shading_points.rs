@@ -1,7 +1,7 @@
 use gnomon_shaders::layout;
 
-use crate::bindings::{Binding, D2, set_groups};
-use crate::compose::RADIANCE_FORMAT;
+use crate::bindings::{Binding, D2, D2_ARRAY, set_groups};
+use crate::compose::{Composed, RADIANCE_FORMAT};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError, TechniqueSettings};
 
@@ -9,8 +9,8 @@ use crate::{Gpu, RenderError, TechniqueSettings};
 /// point stands for a tile of samples; samples unlike the points around them have their own. Points are listed in stages.
 pub(crate) struct ShadingPoints {
     pub stages: Vec<PointStage>,
-    /// Own bind groups of the passes that make a picture of the sums: over all pixels, and over edge pixels.
-    pub compose_groups: [wgpu::BindGroup; 2],
+    /// Own bind groups of the passes that make a picture of the sums, layer by layer: over all pixels, and over edge pixels.
+    pub compose_groups: Vec<[wgpu::BindGroup; 2]>,
     /// Account of points: arguments of indirect dispatches, edge pixels.
     pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
@@ -225,6 +225,7 @@ impl ShadingPointsPass {
         let list_layout = numbered("shading points", &listed);
         let module = gpu.shader("shading_points", &[])?;
         let picture = Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 };
+        let layers = Binding::Texture { dimension: D2_ARRAY, filterable: false };
         let groups = [
             (layout::GROUP_FRAME, view_layout),
             (layout::GROUP_SURFACE, gbuffer_layout),
@@ -238,7 +239,19 @@ impl ShadingPointsPass {
             ),
             compose_layout: numbered(
                 "sums to compose",
-                &[read, read, read, read, read, read, read, picture, Binding::Uniform],
+                &[
+                    read,
+                    read,
+                    read,
+                    read,
+                    read,
+                    read,
+                    read,
+                    picture,
+                    Binding::Uniform,
+                    layers,
+                    Binding::LOADED,
+                ],
             ),
             find_edges: pipeline("find_edges"),
             edge_dispatch: pipeline("edge_dispatch"),
@@ -251,7 +264,7 @@ impl ShadingPointsPass {
         })
     }
 
-    /// Buffers for a picture, which becomes `radiance`.
+    /// Buffers for a picture, which becomes `composed`, and the opacities of its layers.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter allows no buffer that large.
@@ -259,7 +272,8 @@ impl ShadingPointsPass {
         &self,
         gpu: &Gpu,
         plan: PointPlan,
-        radiance: &wgpu::TextureView,
+        composed: &Composed,
+        (layer_count, opacities): (u32, &wgpu::TextureView),
     ) -> Result<ShadingPoints, RenderError> {
         let capacity = plan.capacity();
         let (wanted, limit) = (plan.largest_buffer(), gpu.largest_storage());
@@ -317,16 +331,20 @@ impl ShadingPointsPass {
             }
         });
         let stages = stages.collect();
-        let compose_groups = [0, 1].map(|over_edges: u32| {
-            let uniform = wgpu::BufferUsages::UNIFORM;
-            let over_edges =
-                gpu.buffer_with("over edges", bytemuck::bytes_of(&[over_edges, 0, 0, 0]), uniform);
+        let compose_group = |composition: layout::Composition| {
+            let composition = gpu.shared_buffer("composition", &composition, wgpu::BufferUsages::UNIFORM);
             let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
             let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
-            resources.push((7, wgpu::BindingResource::TextureView(radiance)));
-            resources.push((8, over_edges.as_entire_binding()));
+            resources.push((7, wgpu::BindingResource::TextureView(&composed.values)));
+            resources.push((8, composition.as_entire_binding()));
+            resources.push((9, wgpu::BindingResource::TextureView(opacities)));
+            resources.push((10, wgpu::BindingResource::TextureView(&composed.in_front)));
             gpu.bind_group("sums to compose", &self.compose_layout, &resources)
+        };
+        let compose_groups = (0..=layer_count).map(|layer| {
+            [0, 1].map(|over_edges| compose_group(layout::Composition { over_edges, layer, layer_count }))
         });
+        let compose_groups = compose_groups.collect();
         Ok(ShadingPoints {
             stages,
             compose_groups,

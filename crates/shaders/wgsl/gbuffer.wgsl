@@ -1,9 +1,20 @@
 #import sample_places
 #import gbuffer_packing
 #import material_textures
+#import partial_cover
 
 // What is seen through every sample of the picture: normals, tangent, material, and what textures make of it. No light here. One surface a
-// sample, the nearest; of surfaces that let light through a further layer would be drawn into another G-buffer by this same pass.
+// sample. Of surfaces that light passes, the nearest ones are peeled off (Everitt 2001), each a layer that is lit by itself; of those behind,
+// samples show one by chance.
+
+// Depth of the layer before, above which everything is peeled off, and of what is opaque.
+@group(GROUP_PASS) @binding(0) var peeled: texture_depth_2d;
+@group(GROUP_PASS) @binding(1) var opaque_depth: texture_depth_2d;
+
+// Depths that differ by so small a share are one surface's.
+const PEELED_WITH: f32 = 4e-7;
+// Least opacity that is a layer: less is not seen in eight bits.
+const LEAST_OPACITY: f32 = 0.5 / 255.0;
 
 struct Vertex {
     @location(0) position_world: vec4f,
@@ -14,7 +25,7 @@ struct Vertex {
 }
 
 struct Varying {
-    @builtin(position) position_clip: vec4f,
+    @builtin(position) @invariant position_clip: vec4f,
     @location(0) position_world: vec3f,
     @location(1) normal_world: vec3f,
     @location(2) tangent_world: vec4f,
@@ -44,8 +55,13 @@ fn gbuffer_vertex(vertex: Vertex, @builtin(instance_index) instance: u32) -> Var
     return surface;
 }
 
-@fragment
-fn gbuffer_fragment(surface: Varying) -> GBufferSample {
+// What the surface has, and its alpha.
+struct Shown {
+    sample: GBufferSample,
+    alpha: f32,
+}
+
+fn shown(surface: Varying) -> Shown {
     let across = dpdx(surface.position_world);
     let down = dpdy(surface.position_world);
     // Texels of a part lie a whole pixel apart, its samples do not.
@@ -94,9 +110,6 @@ fn gbuffer_fragment(surface: Varying) -> GBufferSample {
             default: {}
         }
     }
-    if material.base_color.a * color.a < material.alpha_cutoff {
-        discard;
-    }
     packed.base_color = color.rgb;
 
     // Every surface is two-sided: both normals are turned to the viewer's side of the triangle.
@@ -116,5 +129,60 @@ fn gbuffer_fragment(surface: Varying) -> GBufferSample {
     packed.geometric_normal = geometric_normal;
     // The bitangent stays where it is when the normal turns.
     packed.frame = frame_from_tangent(normal * turn, vec4f(surface.tangent_world.xyz, surface.tangent_world.w * turn));
-    return GBufferSample(pack_geometry(packed), pack_reflectance(packed));
+    return Shown(GBufferSample(pack_geometry(packed), pack_reflectance(packed)), material.base_color.a * color.a);
+}
+
+fn depth_of(image: texture_depth_2d, surface: Varying) -> f32 {
+    return textureLoad(image, vec2u(surface.position_clip.xy), 0);
+}
+
+fn is_peeled(surface: Varying) -> bool {
+    return surface.position_clip.z >= depth_of(peeled, surface) * (1.0 - PEELED_WITH);
+}
+
+// Opacity of a material where it is seen.
+fn opacity_seen(surface: Varying) -> f32 {
+    let step = 1.0 / f32(view.interleave);
+    return opacity_at(materials[surface.material], surface.color.a, surface.uvs, step * dpdx(surface.uvs), step * dpdy(surface.uvs));
+}
+
+// What no light passes, but through holes.
+@fragment
+fn gbuffer_fragment(surface: Varying) -> GBufferSample {
+    let shown = shown(surface);
+    if opacity_of(materials[surface.material], shown.alpha) == 0.0 {
+        discard;
+    }
+    return shown.sample;
+}
+
+// Opacity of the next layer.
+@fragment
+fn layer_opacity(surface: Varying) -> @location(0) f32 {
+    let opacity = opacity_seen(surface);
+    if opacity < LEAST_OPACITY || is_peeled(surface) || surface.position_clip.z < depth_of(opaque_depth, surface) {
+        discard;
+    }
+    return opacity;
+}
+
+// The rest of it, where its depth is known.
+@fragment
+fn layer_fragment(surface: Varying) -> GBufferSample {
+    return shown(surface).sample;
+}
+
+// What lies behind all layers.
+@fragment
+fn rest_fragment(surface: Varying, @builtin(front_facing) is_front: bool) -> GBufferSample {
+    let shown = shown(surface);
+    let opacity = opacity_of(materials[surface.material], shown.alpha);
+    let key = cover_key(u32(96.0 + 8.0 * log2(surface.position_clip.z + 1e-3)), surface.material, is_front);
+    // Samples of a pixel are neighbours.
+    let texel = vec2u(surface.position_clip.xy);
+    let size = view.size / view.interleave;
+    if is_peeled(surface) || !is_covered(opacity, view.interleave * (texel % size) + texel / size, key) {
+        discard;
+    }
+    return shown.sample;
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{UVec2, Vec4};
 use gnomon_brdf::ROUGHNESS;
-use gnomon_scene::{Material, Scene, Texture, TextureRef, Wrap};
+use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
@@ -220,7 +220,11 @@ fn record(material: &Material) -> layout::Material {
         specular: surface.specular,
         ior: surface.ior,
         normal_scale: material.normal_scale,
-        alpha_cutoff: material.alpha_mode.cutoff().unwrap_or(0.0),
+        alpha_cutoff: match material.alpha_mode {
+            AlphaMode::Opaque => 0.0,
+            AlphaMode::Mask { cutoff } => cutoff,
+            AlphaMode::Blend => layout::ALPHA_BLENDS,
+        },
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
         model: surface.model as u32,
         shape: surface.shape(),

@@ -9,7 +9,8 @@ use super::bands::{Band, BandInFlight, BandsInFlight};
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
-use crate::compose::RADIANCE_FORMAT;
+use crate::compose::Composed;
+use crate::gbuffer::DrawnScene;
 use crate::gpu::TextureReadBack;
 use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
@@ -180,8 +181,10 @@ impl Renderer {
         self.gpu.check()?;
         let size = [width, rows.len() as u32];
         let plan = self.point_plan(size);
-        let composed = self.composed();
-        let fits = |target: &Target| target.points.plan == plan && target.composed == composed;
+        let shown = (self.composed_side(), self.layer_count());
+        let fits = |target: &Target| {
+            target.points.plan == plan && (target.composed.side, target.gbuffer.layers.count) == shown
+        };
         if !self.target.as_ref().is_some_and(fits) {
             self.target = Some(self.new_target(size, plan)?);
         }
@@ -206,47 +209,52 @@ impl Renderer {
             }
         }
         recorder.end_pass("transform")?;
-        self.passes.gbuffer.encode(
-            &mut recorder,
-            &target.gbuffer,
-            &self.view_group,
-            &self.geometry,
-            &self.materials,
-        );
-        recorder.end_pass("gbuffer")?;
         let gbuffer_group = &target.gbuffer.group;
-        let scene = LitScene {
+        let drawn =
+            DrawnScene { view_group: &self.view_group, geometry: &self.geometry, materials: &self.materials };
+        let lit_scene = |layer| LitScene {
             geometry: &self.geometry,
             materials: &self.materials,
             gbuffer: gbuffer_group,
             points: &target.points,
             is_first_band: is_first,
+            is_first_layer: layer == 0,
         };
-        for stage in &target.points.stages {
-            self.passes.points.encode(&mut recorder, &target.points, stage, &self.view_group, gbuffer_group);
-            recorder.end_pass("points")?;
-            lit.batches.encode(&mut recorder, &lit.light, scene, stage)?;
-            if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
-                gloss.encode(&mut recorder, gbuffer_group, &target.points, stage);
-                recorder.end_pass("gloss")?;
+        self.passes.gbuffer.encode(&mut recorder, &target.gbuffer, drawn, |recorder, layer| {
+            recorder.end_pass("gbuffer")?;
+            for stage in &target.points.stages {
+                self.passes.points.encode(recorder, &target.points, stage, &self.view_group, gbuffer_group);
+                recorder.end_pass("points")?;
+                lit.batches.encode(recorder, &lit.light, lit_scene(layer), stage)?;
+                if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
+                    gloss.encode(recorder, gbuffer_group, &target.points, stage);
+                    recorder.end_pass("gloss")?;
+                }
             }
-        }
-        let (mut exposure, mut tone_mapping) =
-            (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
-        if let Some(debug) = &self.debug {
-            self.encode_debug_view(&mut recorder, debug, (lit, target, scene), camera, sample_size)?;
-            recorder.end_pass("debug view")?;
-            (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
-        } else {
-            if is_first {
-                self.passes.cache.encode(&mut recorder, cache, &lit.environment.cache);
+            if self.debug.is_some() {
+                return Ok(());
+            }
+            if is_first && layer == 0 {
+                self.passes.cache.encode(recorder, cache, &lit.environment.cache);
             }
             recorder.end_pass("radiance cache")?;
             let groups = [&lit.environment.compose, gbuffer_group];
-            compose.encode(&mut recorder, groups, size, &target.points);
-            recorder.end_pass("compose")?;
+            compose.encode(recorder, groups, size, &target.points, layer);
+            if layer < target.gbuffer.layers.count {
+                target.composed.end_layer(recorder);
+            }
+            recorder.end_pass("compose")
+        })?;
+        let (mut exposure, mut tone_mapping) =
+            (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
+        if let Some(debug) = &self.debug {
+            let scene = lit_scene(0);
+            self.encode_debug_view(&mut recorder, debug, (lit, target, scene), camera, sample_size)?;
+            recorder.end_pass("debug view")?;
+            (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
         }
-        self.passes.resolve.encode(&mut recorder, &target.output, target.composed, exposure, tone_mapping);
+        let side = target.composed.side;
+        self.passes.resolve.encode(&mut recorder, &target.output, side, exposure, tone_mapping);
         recorder.end_pass("resolve")?;
         Ok(recorder.finish())
     }
@@ -334,22 +342,29 @@ impl Renderer {
     }
 
     /// Values along a pixel's side of what is composed.
-    fn composed(&self) -> u32 {
+    fn composed_side(&self) -> u32 {
         if self.debug.is_some() { self.settings().techniques.supersample } else { 1 }
     }
 
+    /// Layers of surfaces that light passes in part; a debug view has none.
+    fn layer_count(&self) -> u32 {
+        match self.debug {
+            None => self.settings().techniques.blended_layers.min(self.geometry.most_layers()),
+            Some(_) => 0,
+        }
+    }
+
     fn new_target(&self, size: [u32; 2], plan: PointPlan) -> Result<Target, RenderError> {
-        let gpu = &self.gpu;
-        let composed = self.composed();
-        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-        let [width, height] = size.map(|side| side * composed);
-        let values = gpu
-            .texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage)
-            .create_view(&Default::default());
+        let (gpu, passes) = (&self.gpu, &self.passes);
+        let layers = self.layer_count();
+        let composed = Composed::new(gpu, size, self.composed_side(), layers > 0);
+        let samples = plan.supersample;
+        let gbuffer = passes.gbuffer.target(gpu, &self.materials, plan.sample_size, (samples, layers));
+        let opacities = &gbuffer.layers.opacity_array;
         Ok(Target {
-            gbuffer: self.passes.gbuffer.target(gpu, &self.materials, plan.sample_size, plan.supersample),
-            points: self.passes.points.points(gpu, plan, &values)?,
-            output: self.passes.resolve.output(gpu, &values, size),
+            points: passes.points.points(gpu, plan, &composed, (layers, opacities))?,
+            output: passes.resolve.output(gpu, &composed.values, size),
+            gbuffer,
             composed,
         })
     }

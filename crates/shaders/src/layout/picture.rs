@@ -27,6 +27,16 @@ super::constants! {
 }
 
 super::structs! {
+    /// What is composed at a time.
+    pub struct Composition {
+        /// Whether the pass is over edge pixels alone, not over the whole picture.
+        pub over_edges: u32,
+        /// Of surfaces that light passes, counted from the nearest; [`Composition::layer_count`] for what lies behind them.
+        pub layer: u32,
+        /// Number of layers.
+        pub layer_count: u32,
+    }
+
     /// How samples become pixels.
     pub struct ResolveParameters {
         /// Samples along a pixel's side.

@@ -24,6 +24,8 @@ super::constants! {
     pub const TEXTURE_SPECULAR_COLOR: u32 = 5;
     /// [`MaterialTexture::kind`]: RGB, multiplies the emission.
     pub const TEXTURE_EMISSIVE: u32 = 6;
+    /// [`Material::alpha_cutoff`] where alpha is a share of the rays.
+    pub const ALPHA_BLENDS: f32 = -1.0;
     /// [`MaterialTexture::wrap`]: repeat.
     pub const WRAP_REPEAT: u32 = 0;
     /// [`MaterialTexture::wrap`]: the edge goes on.
@@ -77,7 +79,7 @@ super::structs! {
         pub ior: f32,
         /// Strength of the normal map.
         pub normal_scale: f32,
-        /// Alpha below this is a hole; 0 for opaque materials.
+        /// Alpha below this is a hole; 0 for opaque materials, [`ALPHA_BLENDS`] for those that light passes in part.
         pub alpha_cutoff: f32,
         /// Reflectance model, a number of `gnomon_brdf::Model`.
         pub model: u32,
