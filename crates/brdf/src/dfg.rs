@@ -1,5 +1,6 @@
 use glam::{Vec2, Vec3};
 
+use crate::sampling::hammersley;
 use crate::{MIN_N_DOT_V, alpha_from_roughness, g1_smith_ggx, lambda_ggx, sample_ggx_vndf};
 
 /// Samples of one entry; the table's error against fine quadrature is under 0.003 (see `tests`).
@@ -38,11 +39,4 @@ pub fn dfg(n_dot_v: f32, roughness: f32) -> Vec2 {
 pub fn dfg_table(size: u32) -> Vec<Vec2> {
     let coordinate = |i: u32| (i as f32 + 0.5) / size as f32;
     (0..size).flat_map(|y| (0..size).map(move |x| dfg(coordinate(x), coordinate(y)))).collect()
-}
-
-/// Point `i` of `count` of the Hammersley set, moved to the middle of its stratum.
-fn hammersley(i: u32, count: u32) -> Vec2 {
-    // 24 bits keep the radical inverse under 1 in 32-bit floats.
-    let radical_inverse = (i.reverse_bits() >> 8) as f32 / (1u32 << 24) as f32;
-    Vec2::new((i as f32 + 0.5) / count as f32, radical_inverse + 0.5 / count as f32)
 }

@@ -4,18 +4,18 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::fresnel::schlick_share;
 use crate::sampling::half_vector;
-use crate::{Lobe, MIN_N_DOT_V, sample_cosine_hemisphere};
+use crate::{Lobe, MIN_N_DOT_V, Tables, sample_cosine_hemisphere};
 
 /// Reflectance of a surface point: a matte part and a glossy one, added.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layers {
+pub struct Layers<'a> {
     /// Albedo of the matte part.
     pub diffuse: Vec3,
     /// Tint of the interface above the matte part, as [`Lobe::tint`] has it, for models that take from the matte part what their
     /// interface reflects.
     pub interface: Vec4,
     /// The glossy part.
-    pub lobe: Lobe,
+    pub lobe: Lobe<'a>,
 }
 
 /// A sampled direction.
@@ -35,7 +35,13 @@ const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 /// Least chance of a part that reflects anything, so that no direction of it is starved of samples.
 const MIN_PROBABILITY: f32 = 0.1;
 
-impl Layers {
+impl<'a> Layers<'a> {
+    /// The same with tables for the glossy part: what [`crate::Surface::tables`] makes, or a measurement's.
+    #[must_use]
+    pub fn with_tables(self, tables: Option<&'a Tables>) -> Self {
+        Self { lobe: Lobe { tables, ..self.lobe }, ..self }
+    }
+
     /// Value [1/sr], without the cosine; zero for a `wi` under the surface.
     pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         if wi.z <= 0.0 {

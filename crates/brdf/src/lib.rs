@@ -18,12 +18,13 @@ mod model;
 mod parameter;
 mod sampling;
 mod surface;
+pub mod tables;
 mod torrance_sparrow;
 
 pub use area::{LightPatch, erf, gaussian_interval, gaussian_patch};
 pub use dfg::{dfg, dfg_table};
 pub use frame::Frame;
-pub use fresnel::{f_schlick, f0_from_ior};
+pub use fresnel::{METALS, Metal, f_exact, f_schlick, f0_from_ior};
 pub use ggx::{
     MIN_ALPHA, MIN_N_DOT_V, alpha_from_roughness, d_ggx, g1_smith_ggx, lambda_ggx, pdf_ggx_vndf,
     sample_ggx_vndf, v_smith_ggx_correlated,
@@ -37,4 +38,5 @@ pub use model::{Model, ReflectanceModel};
 pub use parameter::*;
 pub use sampling::sample_cosine_hemisphere;
 pub use surface::Surface;
+pub use tables::Tables;
 pub use torrance_sparrow::{g1_smith_beckmann, v_smith_beckmann};

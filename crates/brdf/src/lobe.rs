@@ -1,10 +1,10 @@
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::{LightPatch, Model};
+use crate::{LightPatch, Model, Tables};
 
 /// The glossy part of a surface point as its model takes it, and as the G-buffer keeps it. `Lobe` of `brdf_lobe.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lobe {
+pub struct Lobe<'a> {
     /// Whose it is.
     pub model: Model,
     /// What shapes it, in its range: see [`crate::ReflectanceModel::SHAPE`].
@@ -12,9 +12,11 @@ pub struct Lobe {
     /// What colours it: for models with Schlick's Fresnel the reflectance along the normal, and in w at grazing incidence; for others
     /// their own business. Nothing is reflected where all of it is 0.
     pub tint: Vec4,
+    /// Of a model that is tabulated its tables; without them nothing is reflected.
+    pub tables: Option<&'a Tables>,
 }
 
-impl Lobe {
+impl Lobe<'_> {
     /// Whether there is a glossy part.
     pub fn is_present(&self) -> bool {
         self.tint.max_element() > 0.0

@@ -101,3 +101,9 @@ parameter!(number IOR ior, "Index of refraction of the dielectric", [1.0, 10.0],
 parameter!(number SHININESS shininess, "Exponent of the lobe", [0.0, 10_000.0], [0.0, 500.0], 40.0);
 // Lower end: n . h rounds by 6e-8, which moves the density of so narrow a lobe by 0.1 %. Upper end: as far as `gaussian_norm` is fitted.
 parameter!(number SLOPE slope, "m of the microfacets: their root mean square slope or angle", [0.01, 1.0], [0.05, 1.0], 0.25);
+parameter!(number ASPECT aspect, "Width of the lobe across the tangent over that along it", [0.1, 10.0], [0.2, 5.0], 4.0);
+parameter!(color INDEX index, None, "Index of refraction, its real part", [0.01, 1000.0], [0.01, 5.0], 1.5);
+parameter!(color EXTINCTION extinction, None, "Its imaginary part; 0 for what is no metal", [0.0, 1000.0], [0.0, 10.0], 0.0);
+parameter!(number ANISOTROPY anisotropy, "Strength of glTF's anisotropy: the lobe widens along the tangent", UNIT, UNIT, 0.7);
+parameter!(number ANISOTROPY_ROTATION anisotropy_rotation, "From the tangent, counter-clockwise [rad]", [-7.0, 7.0], [-3.2, 3.2], 0.0);
+parameter!(color AXES axes, None, "Weights of a cosine lobe's axes; -1/-1/1 is Phong's", [-1.0, 1.0], [-1.0, 1.0], 1.0);

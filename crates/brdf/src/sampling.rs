@@ -40,3 +40,10 @@ pub(crate) fn sample_cosine_power(exponent: f32, u: Vec2) -> Vec3 {
     let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
     Vec3::new(r * cos_phi, r * sin_phi, z)
 }
+
+/// Point `i` of `count` of the Hammersley set, moved to the middle of its stratum.
+pub(crate) fn hammersley(i: u32, count: u32) -> Vec2 {
+    // 24 bits keep the radical inverse under 1 in 32-bit floats.
+    let radical_inverse = (i.reverse_bits() >> 8) as f32 / (1u32 << 24) as f32;
+    Vec2::new((i as f32 + 0.5) / count as f32, radical_inverse + 0.5 / count as f32)
+}

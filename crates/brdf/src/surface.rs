@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use crate::{Layers, Lobe, Model, f0_from_ior};
+use crate::{Layers, Lobe, Model, Tables, f0_from_ior};
 
 /// What reflectance models need to know of a surface point: glTF's metallic-roughness parameters with `KHR_materials_specular`, and
 /// those of the models that glTF does not have. Every model takes those that concern it ([`Model::parameters`]).
@@ -22,8 +22,20 @@ pub struct Surface {
     pub model: Model,
     /// Exponent of the Phong models.
     pub shininess: f32,
-    /// m of Torrance and Sparrow's models.
+    /// m of Torrance and Sparrow's models; along the tangent where they are anisotropic.
     pub slope: f32,
+    /// Width of the lobe across the tangent over that along it.
+    pub aspect: f32,
+    /// Real part of the index of refraction, of models with Fresnel's exact reflectance.
+    pub index: Vec3,
+    /// Its imaginary part, 0 for dielectrics.
+    pub extinction: Vec3,
+    /// `anisotropyStrength` of `KHR_materials_anisotropy`, 0..1.
+    pub anisotropy: f32,
+    /// `anisotropyRotation`: counter-clockwise from the tangent [rad].
+    pub anisotropy_rotation: f32,
+    /// What a cosine lobe weighs the products of both directions' components with (Lafortune et al. 1997).
+    pub axes: Vec3,
 }
 
 impl Surface {
@@ -38,8 +50,20 @@ impl Surface {
         self.model.shape().map_or(0.0, |parameter| parameter.clamped(self))
     }
 
-    /// Matte and glossy part.
-    pub fn layers(&self) -> Layers {
+    /// Tables of the glossy part, of a model that makes them of its parameters. Takes milliseconds.
+    pub fn tables(&self) -> Option<Tables> {
+        self.model.tables(&self.tabulated())
+    }
+
+    /// The same with parameters that tables do not depend on at their defaults: surfaces that are alike in it have the same tables.
+    #[must_use]
+    pub fn tabulated(&self) -> Self {
+        let Self { base_color, metallic, specular, specular_color, ior, .. } = Self::default();
+        Self { base_color, metallic, specular, specular_color, ior, ..*self }
+    }
+
+    /// Matte and glossy part. That of a tabulated model reflects nothing until [`Layers::with_tables`] gives it tables.
+    pub fn layers(&self) -> Layers<'static> {
         let s = self.of_its_model();
         // `KHR_materials_specular`, section "Implementation".
         let dielectric_f0 = (f0_from_ior(s.ior) * s.specular_color).min(Vec3::ONE) * s.specular;
@@ -51,6 +75,7 @@ impl Surface {
                 model: s.model,
                 shape: s.shape(),
                 tint: interface.lerp(s.base_color.extend(1.0), s.metallic),
+                tables: None,
             },
         }
     }
@@ -74,6 +99,12 @@ impl Default for Surface {
             model: Model::MetallicRoughness,
             shininess: 40.0,
             slope: 0.3,
+            aspect: 1.0,
+            index: Vec3::splat(1.5),
+            extinction: Vec3::ZERO,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            axes: Vec3::new(-1.0, -1.0, 1.0),
         }
     }
 }

@@ -12,12 +12,12 @@ use support::direction;
 const ROUGHNESSES: [f32; 3] = [0.5, 0.33, 0.18];
 
 /// Lobes of every model.
-fn cases() -> impl Iterator<Item = (Model, [Lobe; 3])> {
+fn cases() -> impl Iterator<Item = (Model, [Lobe<'static>; 3])> {
     glossy_models().map(|model| (model, ROUGHNESSES.map(|roughness| white(model, roughness))))
 }
 
 /// A white lobe.
-fn white(model: Model, roughness: f32) -> Lobe {
+fn white(model: Model, roughness: f32) -> Lobe<'static> {
     Lobe { tint: Vec4::ONE, ..glossy_surface(model, roughness).layers().lobe }
 }
 

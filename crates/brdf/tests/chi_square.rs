@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{Vec2, Vec3};
 use gnomon_brdf::*;
-use gnomon_testing::{glossy_models, glossy_surface};
+use gnomon_testing::{glossy_models, glossy_surface, tabulated_surfaces};
 use support::{Pcg, chi_square_p, direction, integrate};
 
 /// Bins in theta and phi: fine enough to see a lobe's shape, coarse enough that most bins hold samples.
@@ -73,7 +73,8 @@ fn p_value(model: &Layers, pdf: &dyn Fn(Vec3) -> f64, wo: Vec3, seed: u64) -> f6
 
 /// Every model with lobes from narrow to wide, alone and over a matte part, as dielectric and as metal where it is one.
 fn cases() -> Vec<(Surface, f64)> {
-    let surfaces = Model::ALL.iter().flat_map(|&model| {
+    let analytic = Model::ALL.iter().filter(|model| !model.is_tabulated());
+    let surfaces = analytic.flat_map(|&model| {
         let of = |roughness, metallic, base_color| Surface {
             metallic,
             base_color,
@@ -87,14 +88,17 @@ fn cases() -> Vec<(Surface, f64)> {
         ]
     });
     let lit = surfaces.filter(|surface| surface.layers().strength() != Vec3::ZERO);
-    lit.flat_map(|surface| [0.0, 0.6, 1.3].map(|theta| (surface, theta))).collect()
+    let analytic = lit.flat_map(|surface| [0.0, 0.6, 1.3].map(|theta| (surface, theta)));
+    // One sampler draws from all tables.
+    analytic.chain(tabulated_surfaces().into_iter().map(|surface| (surface, 0.6))).collect()
 }
 
 #[test]
 fn samples_follow_the_pdf() {
     let cases = cases();
     for (index, (surface, theta)) in cases.iter().enumerate() {
-        let layers = surface.layers();
+        let tables = surface.tables();
+        let layers = surface.layers().with_tables(tables.as_ref());
         let wo = direction(*theta, 0.3);
         let p = p_value(&layers, &|wi| f64::from(layers.pdf(wo, wi)), wo, 7 + index as u64);
         assert!(p > SIGNIFICANCE / cases.len() as f64, "p {p}: {surface:?}, theta {theta}");

@@ -11,7 +11,7 @@ use gnomon_testing::{glossy_models, glossy_surface};
 use support::{direction, integrate};
 
 /// A lobe of the strength `white` over a matte part of the albedo `matte`.
-fn layers(surface: Surface, white: f32, matte: f32) -> Layers {
+fn layers(surface: Surface, white: f32, matte: f32) -> Layers<'static> {
     let tint = Vec4::splat(white);
     Layers { diffuse: Vec3::splat(matte), interface: tint, lobe: Lobe { tint, ..surface.layers().lobe } }
 }
@@ -136,14 +136,30 @@ fn models_take_what_concerns_them() {
 /// A parameter that a model does not list changes nothing, and one that it lists changes something.
 #[test]
 fn the_parameters_that_a_model_lists_are_those_that_it_reads() {
-    let all = [&BASE_COLOR, &METALLIC, &ROUGHNESS, &SPECULAR, &SPECULAR_COLOR, &IOR, &SHININESS, &SLOPE];
+    let all = [
+        &BASE_COLOR,
+        &METALLIC,
+        &ROUGHNESS,
+        &SPECULAR,
+        &SPECULAR_COLOR,
+        &IOR,
+        &SHININESS,
+        &SLOPE,
+        &ASPECT,
+        &INDEX,
+        &EXTINCTION,
+        &ANISOTROPY,
+        &ANISOTROPY_ROTATION,
+        &AXES,
+    ];
     for &model in Model::ALL {
-        let surface = Surface { model, specular: 0.5, metallic: 0.3, ..Surface::default() };
+        let surface = Surface { model, specular: 0.5, metallic: 0.3, roughness: 0.5, ..Surface::default() };
         for parameter in all {
             let mut changed = surface;
             (parameter.set)(&mut changed, 0.77 * (parameter.get)(&surface) + 0.1);
             let listed = model.parameters().any(|other| other == parameter);
-            assert_eq!(changed.layers() != surface.layers(), listed, "{} {}", model.name(), parameter.name);
+            let differs = changed.layers() != surface.layers() || changed.tables() != surface.tables();
+            assert_eq!(differs, listed, "{} {}", model.name(), parameter.name);
         }
     }
 }

@@ -39,6 +39,8 @@ struct Cli {
 enum Command {
     Render(Box<command::render::RenderArgs>),
     Reference(Box<command::reference::ReferenceArgs>),
+    Dataset(command::dataset::DatasetArgs),
+    Reflectance(command::reflectance::ReflectanceArgs),
     Decompose(command::decompose::DecomposeArgs),
     Compare(command::compare::CompareArgs),
     Inspect(command::inspect::InspectArgs),
@@ -57,6 +59,8 @@ fn run(cli: &Cli) -> Result<(), CliError> {
     match &cli.command {
         Command::Render(args) => command::render::run(args, terminal),
         Command::Reference(args) => command::reference::run(args, terminal),
+        Command::Dataset(args) => command::dataset::run(args, terminal),
+        Command::Reflectance(args) => command::reflectance::run(args, terminal),
         Command::Decompose(args) => command::decompose::run(args, terminal),
         Command::Compare(args) => command::compare::run(args, terminal),
         Command::Inspect(args) => command::inspect::run(args, terminal),

@@ -3,14 +3,35 @@
 mod environment;
 mod gpu;
 mod inputs;
+mod layers;
 mod look;
 mod sequence;
 
 pub use environment::{environment_help, load_environment};
 pub use gpu::GpuArgs;
 pub use inputs::{InputArgs, stage};
+pub use layers::LayerArgs;
 pub use look::{Fitted, LookArgs};
 pub use sequence::SequenceArgs;
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+/// The first and the last of some numbers, both included, as `FIRST..LAST`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Numbers<T>(pub RangeInclusive<T>);
+
+impl<T: FromStr + PartialOrd> FromStr for Numbers<T> {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let ends = text.split_once("..").map(|(first, last)| (first.trim().parse(), last.trim().parse()));
+        match ends {
+            Some((Ok(first), Ok(last))) if first <= last => Ok(Self(first..=last)),
+            _ => Err("expected FIRST..LAST, both included, as in 0..99"),
+        }
+    }
+}
 
 /// A finite number.
 ///
@@ -42,6 +63,14 @@ pub fn stops(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranges_are_two_numbers_in_order() {
+        assert_eq!("3..12".parse(), Ok(Numbers(3_u32..=12)));
+        for text in ["", "3", "..", "3..", "5..3", "-1..3", "0..4294967296", "0..=3"] {
+            assert!(text.parse::<Numbers<u32>>().is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn numbers_are_finite() {

@@ -3,8 +3,10 @@
 use std::io;
 use std::path::Path;
 
-use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
+use gnomon::picture::exr::{Channel, Samples};
+use gnomon::picture::tonemap::{ToneMapping, straight, tone_mapped};
 use gnomon::picture::{RgbImage, atomic};
+use gnomon::renderer::layers::{Layer, RenderedLayers};
 use serde::Serialize;
 
 use crate::error::CliError;
@@ -77,6 +79,43 @@ pub fn write_radiance(
         gnomon::picture::write(path, &tone_mapped(radiance, tone_mapping, exposure))?;
     }
     Ok(())
+}
+
+/// What becomes of a frame.
+pub struct Drawn {
+    pub radiance: RgbImage,
+    /// Where nothing is behind the scene.
+    pub alpha: Option<Vec<f32>>,
+    pub layers: RenderedLayers,
+}
+
+impl Drawn {
+    /// A picture alone.
+    pub fn new(radiance: RgbImage) -> Self {
+        Self { radiance, alpha: None, layers: RenderedLayers::default() }
+    }
+
+    /// Writes it as [`write_radiance`] does; with alpha, straight in PNG and premultiplied in EXR; layers go into the EXR file.
+    ///
+    /// # Errors
+    /// As there, and as [`gnomon::picture::exr::write_channels`].
+    pub fn write(&self, path: &Path, (exposure, tone_mapping): (f32, ToneMapping)) -> Result<(), CliError> {
+        let Self { radiance, alpha, layers } = self;
+        if is_linear(path) && (alpha.is_some() || !layers.layers.is_empty()) {
+            let (mut channels, attributes) = layers.with_picture(radiance);
+            if let Some(alpha) = alpha.as_ref().filter(|_| layers.get(Layer::Alpha).is_none()) {
+                let samples = Samples::Floats(alpha.clone());
+                channels.push(Channel { name: "A".to_owned(), samples });
+            }
+            let size = [radiance.width(), radiance.height()];
+            gnomon::picture::exr::write_channels(path, size, channels, &attributes)?;
+            return Ok(());
+        }
+        let Some(alpha) = alpha else { return write_radiance(path, radiance, (exposure, tone_mapping)) };
+        let shown = tone_mapped(&straight(radiance, alpha), tone_mapping, exposure);
+        gnomon::picture::ldr::write_png_with_alpha(path, &shown, alpha)?;
+        Ok(())
+    }
 }
 
 /// Writes text.

@@ -9,7 +9,8 @@ use std::process::Stdio;
 
 use support::{command, files, gnomon};
 
-const COMMANDS: [&str; 7] = ["render", "reference", "decompose", "compare", "inspect", "info", "demo"];
+const COMMANDS: [&str; 8] =
+    ["render", "reference", "reflectance", "decompose", "compare", "inspect", "info", "demo"];
 
 #[test]
 fn help_names_every_command_and_every_command_has_help() {
@@ -139,7 +140,7 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
         ("prefilter", "box", ("render", "prefilter"), "\"box\"", "one of: mip, sat"),
         ("size", "8x", ("display", "size"), "[8, 0]", "WIDTHxHEIGHT in pixels, as in 640x480"),
         ("time", "nan", ("animation", "time"), "nan", "a finite number [s]"),
-        ("background", "maybe", ("display", "background"), "\"maybe\"", "true or false"),
+        ("background", "maybe", ("display", "background"), "\"maybe\"", "transparent"),
     ] {
         let argument = format!("--{option}");
         let arguments = ["render", "three-boxes", "--env", "room", "-o", "a.png", &argument, text];

@@ -285,9 +285,9 @@ fn a_scene_is_saved_once_all_is_known_to_be_fit_for_it() {
     run(&["--frames", "0..0", "-o", "a.png"]).succeeded();
     fs::remove_file(folder.path().join("s.toml")).unwrap();
     // And with it whether the background is seen, which an option says against the file.
-    run(&["--background", "false", "-o", "dark.png"]).succeeded();
-    assert!(fs::read_to_string(folder.path().join("s.toml")).unwrap().contains("background = false"));
-    for (output, background) in [("again.png", None), ("seen.png", Some("true"))] {
+    run(&["--background", "none", "-o", "dark.png"]).succeeded();
+    assert!(fs::read_to_string(folder.path().join("s.toml")).unwrap().contains("background = \"none\""));
+    for (output, background) in [("again.png", None), ("seen.png", Some("environment"))] {
         let option = background.map_or(vec![], |background| vec!["--background", background]);
         gnomon(folder.path(), &[&["render", "s.toml", "-o", output][..], &option[..]].concat()).succeeded();
     }

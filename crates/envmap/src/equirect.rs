@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 use gnomon_picture::{LUMINANCE, RgbImage};
+use rayon::prelude::*;
 
 use crate::Backdrop;
 
@@ -104,6 +105,28 @@ impl Equirect {
     /// lie past the edges by less than the map's size.
     pub fn between(&self, column: i64, row: i64, fraction: Vec2) -> Vec3 {
         between([self.width(), self.height()], [column, row], fraction, &|x, y| self.radiance.get(x, y))
+    }
+
+    /// Irradiance of a surface with the unit normal `n` by all of the map as [`Equirect::lookup`] has it, unshadowed: by 3 x 3 places a texel, which
+    /// leaves an error of some 1e-4.
+    pub fn irradiance(&self, n: Vec3) -> DVec3 {
+        const PLACES: u32 = 3;
+        let [width, height] = [PLACES * self.width(), PLACES * self.height()];
+        let rows = (0..height).into_par_iter().map(|y| {
+            let v = (f64::from(y) + 0.5) / f64::from(height);
+            let sine = (std::f64::consts::PI * v).sin();
+            let row: DVec3 = (0..width)
+                .map(|x| {
+                    let u = (f64::from(x) + 0.5) / f64::from(width);
+                    let direction = Self::direction_from_uv(Vec2::new(u as f32, v as f32));
+                    let cosine = n.dot(direction);
+                    if cosine > 0.0 { (self.lookup(direction) * cosine).as_dvec3() } else { DVec3::ZERO }
+                })
+                .sum();
+            row * sine
+        });
+        let sum: DVec3 = rows.sum();
+        sum * (2.0 * std::f64::consts::PI * std::f64::consts::PI / (f64::from(width) * f64::from(height)))
     }
 
     /// Flux [radiance x sr] of the whole map, channel by channel: the sum of radiance times solid angle.

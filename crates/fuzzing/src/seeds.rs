@@ -8,7 +8,7 @@ use gnomon_picture::{RgbImage, exr, ldr};
 use crate::Target;
 
 /// Folders of the external data that hold files of the formats.
-const FOLDERS: [&str; 5] = ["field", "bad_inputs", "scenes", "models", "env"];
+const FOLDERS: [&str; 6] = ["field", "bad_inputs", "scenes", "models", "env", "brdf"];
 /// Longest file to start from [bytes]: damage is found faster in short ones.
 const LONGEST: u64 = 1 << 16;
 /// Most files of the data for one target.
@@ -54,6 +54,40 @@ pub fn small_png() -> Vec<u8> {
     ldr::encode_png(&picture()).unwrap_or_default()
 }
 
+/// A measurement of the RGL of two views, 2 x 2 values each.
+fn small_bsdf() -> Vec<u8> {
+    let tensors: [(&str, &[u64], usize); 6] = [
+        ("phi_i", &[1], 1),
+        ("theta_i", &[2], 2),
+        ("ndf", &[2, 2], 4),
+        ("sigma", &[2, 2], 4),
+        ("vndf", &[1, 2, 2, 2], 8),
+        ("rgb", &[1, 2, 3, 2, 2], 24),
+    ];
+    let mut bytes = b"tensor_file\0\x01\0".to_vec();
+    bytes.extend(7_u32.to_le_bytes());
+    let text = b"made";
+    let of_list = |name: &str, dimensions: usize| 2 + name.len() + 2 + 1 + 8 + 8 * dimensions;
+    let list: usize = tensors.iter().map(|(name, shape, _)| of_list(name, shape.len())).sum();
+    let mut at = bytes.len() + list + of_list("description", 1);
+    let mut add = |bytes: &mut Vec<u8>, name: &str, kind: u8, shape: &[u64], size: usize| {
+        bytes.extend((name.len() as u16).to_le_bytes());
+        bytes.extend(name.as_bytes());
+        bytes.extend((shape.len() as u16).to_le_bytes());
+        bytes.push(kind);
+        bytes.extend((at as u64).to_le_bytes());
+        shape.iter().for_each(|side| bytes.extend(side.to_le_bytes()));
+        at += size;
+    };
+    add(&mut bytes, "description", 1, &[text.len() as u64], text.len());
+    tensors.iter().for_each(|(name, shape, count)| add(&mut bytes, name, 10, shape, 4 * count));
+    bytes.extend(text);
+    for (_, _, count) in tensors {
+        (0..count).for_each(|i| bytes.extend((0.5 * i as f32 + 0.1).to_le_bytes()));
+    }
+    bytes
+}
+
 /// Small sound files of these formats.
 fn made(extensions: &[&str]) -> Vec<Vec<u8>> {
     let one = |extension: &&str| {
@@ -74,6 +108,8 @@ fn made(extensions: &[&str]) -> Vec<Vec<u8>> {
         "ply" => Some(b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_vec()),
         "gltf" => Some(br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":"a.bin"}]}"#.to_vec()),
         "toml" => Some(b"[environment]\nbuiltin = \"sky\"\n\n[[model]]\nfile = \"a.obj\"\n\n[camera]\neye = [0, 1, 3]\ntarget = [0, 0, 0]\nfov = 50\n\n[[light]]\nshape = \"disk\"\n".to_vec()),
+        "bsdf" => Some(small_bsdf()),
+        "tables" => Some(br#"{"gnomon_tables":1,"terms":[{"tint":"color","factors":[{"coordinates":"half","scale":0.1,"columns":2,"values":[1,1,1,0,0,0]}]}]}"#.to_vec()),
         _ => None,
     }
     };

@@ -21,7 +21,8 @@ impl Target {
     }
 }
 
-/// Every picture and scene format under its usual extension, `map` for pictures as environments, and `mtl` for the materials of an OBJ.
+/// Every picture and scene format under its usual extension, `map` for pictures as environments, `mtl` for the materials of an OBJ, measured
+/// reflectances and `tables` that are made of them.
 pub fn targets() -> Vec<Target> {
     let pictures =
         gnomon_picture::formats().iter().map(|format| (format.extensions, picture as fn(_, &[u8])));
@@ -33,6 +34,9 @@ pub fn targets() -> Vec<Target> {
         .collect();
     targets.push(Target { name: "map", extensions: &["exr", "hdr", "png", "jpg"], read: map });
     targets.push(Target { name: "mtl", extensions: &["mtl"], read: materials });
+    targets.push(Target { name: "bsdf", extensions: &["bsdf"], read: measurement });
+    targets.push(Target { name: "binary", extensions: &["binary"], read: measurement });
+    targets.push(Target { name: "tables", extensions: &["tables"], read: tables });
     targets
 }
 
@@ -79,6 +83,19 @@ fn scene(name: &'static str, bytes: &[u8]) {
 fn materials(_name: &'static str, bytes: &[u8]) {
     const MODEL: &[u8] = b"mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
     read_scene(Path::new("fuzzed.obj"), MODEL, bytes);
+}
+
+fn measurement(name: &'static str, bytes: &[u8]) {
+    if let Ok(measurement) = gnomon_measured::Measurement::parse(name, bytes) {
+        let value = measurement.value(glam::Vec3::new(0.6, 0.0, 0.8), glam::Vec3::new(0.0, -0.28, 0.96));
+        assert!(value.is_finite(), "a reflectance of {value}");
+    }
+}
+
+fn tables(_name: &'static str, bytes: &[u8]) {
+    if let Ok(tables) = gnomon_measured::parse(bytes) {
+        assert!(tables.most() >= 0.0, "tables that reflect {}", tables.most());
+    }
 }
 
 fn read_scene(path: &Path, bytes: &[u8], others: &[u8]) {

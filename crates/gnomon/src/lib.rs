@@ -32,6 +32,8 @@
 pub use gnomon_brdf as brdf;
 pub use gnomon_envmap as envmap;
 pub use gnomon_lights as lights;
+#[cfg(feature = "files")]
+pub use gnomon_measured as measured;
 #[cfg(feature = "metrics")]
 pub use gnomon_metrics as metrics;
 pub use gnomon_options as options;

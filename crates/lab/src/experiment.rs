@@ -58,9 +58,13 @@ impl Suite {
 mod tests {
     #[test]
     fn names_are_unique_and_chosen_in_order() {
-        for suite in
-            [crate::convolution::SUITE, crate::subtractive::SUITE, crate::motion::SUITE, crate::budget::SUITE]
-        {
+        for suite in [
+            crate::convolution::SUITE,
+            crate::subtractive::SUITE,
+            crate::motion::SUITE,
+            crate::budget::SUITE,
+            crate::bumps::SUITE,
+        ] {
             let names: Vec<_> = suite.experiments.iter().map(|experiment| experiment.name()).collect();
             for (index, name) in names.iter().enumerate() {
                 assert!(!names[..index].contains(name), "{name}");

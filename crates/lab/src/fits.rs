@@ -14,7 +14,7 @@ use crate::fit_timing::{sampler_errors, time_fits};
   gnomon-lab fits
   gnomon-lab fits grace.hdr --repeats 9 --json")]
 pub struct FitsArgs {
-    /// Environment map, or a built-in one: room, sky (both are 1024 x 512)
+    /// Environment map, or a built-in one: room, sky, evening, studio (1024 x 512 each)
     #[arg(value_name = "ENV", default_value = "room")]
     environment: String,
 

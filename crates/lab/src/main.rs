@@ -6,6 +6,7 @@
 //! shares it, and every time stands beside an error against ray-traced truth.
 
 mod budget;
+mod bumps;
 mod columns;
 mod convolution;
 mod data;
@@ -62,6 +63,8 @@ enum Command {
     Subtractive(suite::SuiteArgs),
     /// Measure what a frame's time buys, on scenes of which another renderer made pictures
     Budget(suite::SuiteArgs),
+    /// Make pictures of bumps that shadow and light themselves (Heidrich 2001, section 3)
+    Bumps(suite::SuiteArgs),
     /// Measure what motion costs, and how long another environment takes
     Motion(suite::SuiteArgs),
 }
@@ -77,6 +80,7 @@ fn run(cli: &Cli) -> Result<(), LabError> {
         Command::Convolution(args) => suite::run(&convolution::SUITE, args, terminal),
         Command::Subtractive(args) => suite::run(&subtractive::SUITE, args, terminal),
         Command::Budget(args) => suite::run(&budget::SUITE, args, terminal),
+        Command::Bumps(args) => suite::run(&bumps::SUITE, args, terminal),
         Command::Motion(args) => suite::run(&motion::SUITE, args, terminal),
     }
 }

@@ -45,6 +45,11 @@ fn every_budget_experiment_leaves_readable_files() {
 }
 
 #[test]
+fn every_bumps_experiment_leaves_readable_files() {
+    check_suite("bumps", &["pictures"], "scatter, horizons");
+}
+
+#[test]
 fn every_motion_experiment_leaves_readable_files() {
     check_suite("motion", &["animation", "environment"], "longest over median at rest");
 }

@@ -36,6 +36,15 @@ impl Given {
         Ok(())
     }
 
+    /// Gives an option a value.
+    ///
+    /// # Errors
+    /// [`OptionError`] for what the option cannot be.
+    pub fn put(&mut self, spec: &OptionSpec, value: OptionValue) -> Result<(), OptionError> {
+        self.0.insert(spec.name(), spec.accept(value)?);
+        Ok(())
+    }
+
     /// Whether an option is given, by its name.
     pub fn has(&self, name: &str) -> bool {
         self.0.contains_key(name)

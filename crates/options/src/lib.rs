@@ -19,7 +19,7 @@ mod words;
 pub use error::OptionError;
 pub use field::OptionField;
 pub use given::Given;
-pub use settings::{Options, specs};
+pub use settings::{Options, matters, specs};
 pub use spec::{
     Choice, Group, Kind, OptionSpec, angle, any_number, between, choice, color, file, number, power_of_two,
     size, text, whole, yes_no,

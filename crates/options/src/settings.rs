@@ -1,4 +1,6 @@
-use crate::{OptionError, OptionField, OptionSpec};
+use std::collections::BTreeMap;
+
+use crate::{OptionError, OptionField, OptionSpec, OptionValue};
 
 /// Settings that are a list of options.
 pub trait Options {
@@ -28,6 +30,20 @@ pub fn specs<T: Options + Default>() -> Vec<&'static OptionSpec> {
     let mut specs = Vec::new();
     T::default().visit(&mut |spec, _| specs.push(spec));
     specs
+}
+
+/// Whether options matter, by the choices that settings make ([`OptionSpec::condition`]).
+pub fn matters(settings: &dyn Options) -> impl Fn(&OptionSpec) -> bool + use<> {
+    let mut chosen = BTreeMap::new();
+    settings.visit(&mut |spec, field| {
+        if let OptionValue::Name(name) = field.get() {
+            chosen.insert(spec.name(), name);
+        }
+    });
+    move |spec| {
+        spec.condition()
+            .is_none_or(|(name, values)| chosen.get(name).is_some_and(|is| values.contains(&is.as_str())))
+    }
 }
 
 impl<A: Options, B: Options> Options for (A, B) {

@@ -122,6 +122,36 @@ pub fn encode_png(image: &RgbImage) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
+/// Encodes [`srgb8`] with an alpha channel as PNG, which has straight alpha: colours are not multiplied by it.
+///
+/// # Errors
+/// The reason, for a picture without texels, and for another number of alphas.
+pub fn encode_png_with_alpha(image: &RgbImage, alpha: &[f32]) -> Result<Vec<u8>, String> {
+    if image.texels().is_empty() || image.texels().len() != alpha.len() {
+        return Err(format!("the picture has {} texels and {} alphas", image.texels().len(), alpha.len()));
+    }
+    let colors = srgb8(image);
+    let code = |alpha: f32| (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let texels = colors.chunks_exact(3).zip(alpha);
+    let bytes: Vec<u8> = texels.flat_map(|(c, &alpha)| [c[0], c[1], c[2], code(alpha)]).collect();
+    let mut file = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut file)
+        .write_image(&bytes, image.width(), image.height(), ExtendedColorType::Rgba8)
+        .map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+/// Writes a picture as [`encode_png_with_alpha`] stores it, whole or not at all.
+///
+/// # Errors
+/// [`ImageError::Write`] from the file system, [`ImageError::Encode`] as there.
+pub fn write_png_with_alpha(path: &Path, image: &RgbImage, alpha: &[f32]) -> Result<(), ImageError> {
+    let bytes = encode_png_with_alpha(image, alpha)
+        .map_err(|reason| ImageError::Encode { path: path.to_owned(), reason })?;
+    atomic::write(path, |writer| writer.write_all(&bytes))
+        .map_err(|source| ImageError::Write { path: path.to_owned(), source })
+}
+
 /// Writes a picture as [`encode_png`] stores it, whole or not at all.
 ///
 /// # Errors

@@ -68,6 +68,15 @@ pub fn exposure_scale(ev: f32) -> f32 {
     ev.exp2()
 }
 
+/// A premultiplied picture divided by its alpha; black where that is 0.
+pub fn straight(image: &RgbImage, alpha: &[f32]) -> RgbImage {
+    let mut out = image.clone();
+    for (texel, &alpha) in out.texels_mut().iter_mut().zip(alpha) {
+        *texel = if alpha > 1e-6 { *texel / alpha } else { Vec3::ZERO };
+    }
+    out
+}
+
 /// Display-linear picture in 0..1: `tone_map(radiance * 2^ev)`, texel by texel.
 pub fn tone_mapped(image: &RgbImage, mapping: ToneMapping, ev: f32) -> RgbImage {
     let scale = exposure_scale(ev);

@@ -414,3 +414,32 @@ fn chroma_of_every_second_texel_becomes_colour() {
     let bytes = luminance_chroma(0.5, -0.25);
     (0..bytes.len()).for_each(|length| assert!(decode(&bytes[..length]).is_err(), "{length}"));
 }
+
+#[test]
+fn channels_of_any_name_lie_beside_the_picture() {
+    use gnomon_picture::exr::{Channel, Samples, encode_channels};
+    let channel = |name: &str, samples| Channel { name: name.to_owned(), samples };
+    let floats = |first: f32| Samples::Floats((0..6).map(|i| first + i as f32).collect());
+    let depth = Samples::Floats(vec![1.0, f32::INFINITY, -0.0, f32::NAN, 5.0, 6.0]);
+    let channels = || {
+        vec![
+            channel("R", floats(0.0)),
+            channel("Z", depth.clone()),
+            channel("G", floats(10.0)),
+            channel("object.X", Samples::Labels(vec![u32::MAX, 0, 16_777_217, 3, 4, 5])),
+            channel("B", floats(20.0)),
+            channel("diffuse.R", floats(30.0)),
+            channel("diffuse.G", floats(40.0)),
+            channel("diffuse.B", floats(50.0)),
+        ]
+    };
+    let attributes = [("gnomon.depth".to_owned(), "metres".to_owned())];
+    let bytes = encode_channels([3, 2], channels(), &attributes).unwrap();
+    let image = decode(&bytes).unwrap().image;
+    assert_eq!((image.width(), image.get(1, 1)), (3, Vec3::new(4.0, 14.0, 24.0)));
+    assert_eq!(first_texel(&bytes, Some("diffuse")).unwrap(), ([30.0, 40.0, 50.0], 0));
+    let twice = [channels(), vec![channel("Z", floats(0.0))]].concat();
+    assert!(encode_channels([3, 2], twice, &[]).unwrap_err().contains("two channels"));
+    assert!(encode_channels([2, 2], channels(), &[]).unwrap_err().contains("texels"));
+    assert!(encode_channels([0, 2], Vec::new(), &[]).is_err());
+}

@@ -99,6 +99,11 @@ pub(crate) struct Aim {
 }
 
 impl<'a> EnvironmentSampler<'a> {
+    /// What is sampled.
+    pub(crate) fn map(&self) -> &'a Equirect {
+        self.map
+    }
+
     pub(crate) fn new(map: &'a Equirect) -> Self {
         let nodes = node_brightness(map);
         let (width, height) = (map.width() as usize, map.height() as usize);

@@ -1,4 +1,4 @@
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use gnomon_lights::{DistantLight, LightShape};
 use gnomon_scene::PlacedLight;
 
@@ -31,6 +31,13 @@ impl<'a> Illumination<'a> {
     /// The same and lights in the scene.
     pub(crate) fn with_near(self, lights: &[PlacedLight]) -> Self {
         Self { near: lights.iter().map(NearLight::new).collect(), ..self }
+    }
+
+    /// Unshadowed irradiance of what is infinitely far away on a surface with the unit normal `n`.
+    pub(crate) fn irradiance(&self, n: Vec3) -> DVec3 {
+        let map = self.map.as_ref().map_or(DVec3::ZERO, |sampler| sampler.map().irradiance(n));
+        let light = |light: &AreaLight| (light.radiance * light.source.irradiance(n)).as_dvec3();
+        map + self.lights.iter().map(light).sum::<DVec3>()
     }
 
     /// For a surface at `point` [m] with the unit normal `n`.
@@ -99,6 +106,7 @@ impl Aimed<'_, '_> {
 
 /// A [`DistantLight`] prepared for sampling.
 struct AreaLight {
+    source: DistantLight,
     radiance: Vec3,
     flux: f32,
     /// Sine of the angle from `direction` to the farthest point of the outline, a little more.
@@ -153,6 +161,7 @@ impl AreaLight {
             Outline::Quadrilateral { area, .. } => area,
         };
         (flux > 0.0 && extent > 0.0).then_some(Self {
+            source: light.clone(),
             radiance: light.radiance,
             flux,
             sine: tangent / (1.0 + tangent * tangent).sqrt() + 1e-3,
@@ -186,7 +195,7 @@ impl AreaLight {
                 (p.x, p.y, 1.0)
             }
         };
-        let local = glam::DVec3::new(x, y, z).normalize().as_vec3();
+        let local = DVec3::new(x, y, z).normalize().as_vec3();
         (self.tangent * local.x + self.bitangent * local.y + self.direction * local.z).normalize()
     }
 

@@ -18,6 +18,7 @@
 //! it is given, so that an animation is one call a pose.
 
 mod arrival;
+mod bumps;
 mod camera_ray;
 mod environment;
 mod error;
@@ -25,6 +26,7 @@ mod illumination;
 mod near_light;
 mod pixels;
 mod progressive;
+mod relief;
 mod render;
 mod sampler;
 mod shade;
@@ -37,4 +39,6 @@ pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
 pub use pixels::trace_pixels;
 pub use progressive::Progressive;
-pub use render::{Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, Sky, render, render_lights};
+pub use render::{
+    Estimate, MAX_PIXELS, ReferenceOptions, ResidualShadows, Sky, render, render_lights, render_with_alpha,
+};

@@ -1,10 +1,10 @@
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
 
 use glam::{DVec3, UVec2, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_lights::{DistantLight, LightSet};
-use gnomon_picture::RgbImage;
+use gnomon_picture::{LUMINANCE, RgbImage};
 use gnomon_scene::{Camera, Scene};
 use rayon::prelude::*;
 
@@ -120,6 +120,33 @@ pub fn render<'a>(
     estimate(&sky_tracer(scene, sky, options)?, camera, options)
 }
 
+/// The scene without anything behind it, and how much each pixel hides of what is put there, row by row from the top: by two pictures of the same
+/// samples, before black and before white.
+///
+/// # Errors
+/// See [`ReferenceError`].
+pub fn render_with_alpha<'a>(
+    scene: &Scene,
+    camera: &Camera,
+    environment: impl Into<Sky<'a>>,
+    options: &ReferenceOptions,
+) -> Result<(Estimate, Vec<f32>), ReferenceError> {
+    let sky = environment.into();
+    let black = ReferenceOptions { background: false, ..*options };
+    let white = Equirect::new(RgbImage::filled(2, 1, Vec3::ONE));
+    let estimate = render(scene, camera, sky, &black)?;
+    let over_white = render(
+        scene,
+        camera,
+        Sky { background: &white, ..sky },
+        &ReferenceOptions { background: true, ..*options },
+    )?;
+    let pairs = over_white.mean.texels().iter().zip(estimate.mean.texels());
+    let alpha =
+        pairs.map(|(white, black)| (1.0 - (*white - *black).dot(LUMINANCE)).clamp(0.0, 1.0)).collect();
+    Ok((estimate, alpha))
+}
+
 /// The scene under a sky, ready to be traced.
 pub(crate) fn sky_tracer<'a>(
     scene: &'a Scene,
@@ -133,6 +160,7 @@ pub(crate) fn sky_tracer<'a>(
         unshadowed: None,
         background: options.background.then_some(sky.background),
         reflections: options.reflections,
+        unshadowed_irradiance: Mutex::default(),
     })
 }
 
@@ -159,8 +187,10 @@ pub fn render_lights(
     };
     let shadowed = shadowed.with_near(&scene.placed_lights());
     let background = options.background.then_some(background);
+    let unshadowed_irradiance = Mutex::default();
     let scene = TracedScene::new(scene)?;
-    let tracer = Tracer { scene, shadowed, unshadowed, background, reflections: options.reflections };
+    let reflections = options.reflections;
+    let tracer = Tracer { scene, shadowed, unshadowed, background, reflections, unshadowed_irradiance };
     estimate(&tracer, camera, options)
 }
 

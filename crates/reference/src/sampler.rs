@@ -28,6 +28,9 @@ pub(crate) enum Decision {
     Opacity,
 }
 
+/// Numbers of decisions from here on are those of paths.
+const FIRST_OF_PATHS: u32 = 64;
+
 /// Owen-scrambled Sobol points, two dimensions at a time, every pair of dimensions shuffled and scrambled on its own
 /// (Burley 2020, "Practical hash-based Owen scrambling"). Every point is uniform in `[0, 1)^2`; runs of a power of two
 /// are stratified. Two sequences with different keys are independent.
@@ -48,7 +51,16 @@ impl Sequence {
 
     /// The `index`-th pair of numbers for a decision, 32 bits each, in `[0, 1)`.
     pub(crate) fn pair(&self, index: u32, decision: Decision) -> DVec2 {
-        let key = hash(self.key ^ (decision as u32 + 1).wrapping_mul(0x27d4_eb2f));
+        self.numbered(index, decision as u32)
+    }
+
+    /// The same for the decisions of a path, by their numbers.
+    pub(crate) fn bounce(&self, index: u32, number: u32) -> DVec2 {
+        self.numbered(index, FIRST_OF_PATHS + number)
+    }
+
+    fn numbered(&self, index: u32, number: u32) -> DVec2 {
+        let key = hash(self.key ^ (number + 1).wrapping_mul(0x27d4_eb2f));
         let index = nested_scramble(index, key);
         let x = nested_scramble(index.reverse_bits(), hash(key ^ 0xa511_e9b3));
         let y = nested_scramble(sobol_second(index), hash(key ^ 0x63d8_3595));

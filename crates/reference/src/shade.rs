@@ -1,4 +1,7 @@
-use glam::{DVec2, Vec3};
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use glam::{DVec2, DVec3, Vec3};
 use gnomon_envmap::Equirect;
 
 use crate::Ray;
@@ -17,6 +20,8 @@ pub(crate) struct Tracer<'a> {
     pub(crate) background: Option<&'a Equirect>,
     /// Whether glossy lobes reflect the scene as well as the light.
     pub(crate) reflections: bool,
+    /// Unshadowed irradiance of catchers, by the bits of their normal: level ones have one or two.
+    pub(crate) unshadowed_irradiance: Mutex<HashMap<[u32; 3], Vec3>>,
 }
 
 /// Share of the samples that follow the reflectance of a matte surface; the others follow the light, which is aimed by the
@@ -31,7 +36,7 @@ impl Tracer<'_> {
     pub(crate) fn radiance(&self, ray: &Ray, sequence: &Sequence, index: u32) -> Vec3 {
         let opacity = sequence.pair(index, Decision::Opacity);
         let Some(hit) = self.scene.closest_hit(ray, opacity.x) else {
-            return self.background.map_or(Vec3::ZERO, |map| map.seen(ray.direction));
+            return self.behind(ray);
         };
         let wo = -ray.direction;
         let point = self.scene.hit_point(&hit, wo);
@@ -46,7 +51,11 @@ impl Tracer<'_> {
                 Decision::UnshadowedChoice,
             ]),
         );
-        if !(self.reflections && point.surface.layers().lobe.is_present()) {
+        let direct = direct + self.scattered(&point, sequence, index);
+        if point.catches {
+            return self.behind(ray) * self.share_left(&point, direct);
+        }
+        if !(self.reflections && point.layers().lobe.is_present()) {
             return direct;
         }
         let mirrored = sequence.pair(index, Decision::Mirrored);
@@ -65,7 +74,8 @@ impl Tracer<'_> {
         let unshadowed = self.unshadowed.as_ref();
         let unshadowed =
             unshadowed.map_or(Vec3::ZERO, |light| self.reflected(point, wo, light, false, [c, d]));
-        point.emissive + shadowed + unshadowed
+        let emissive = if point.catches { Vec3::ZERO } else { point.emissive };
+        emissive + shadowed + unshadowed
     }
 
     /// What the glossy lobe reflects towards `wo` of the scene in direct light: one sample of the lobe.
@@ -76,7 +86,7 @@ impl Tracer<'_> {
         (direction, chance): (DVec2, f64),
         beyond: [DVec2; 4],
     ) -> Vec3 {
-        let (frame, lobe) = (&point.frame, point.surface.layers().lobe);
+        let (frame, lobe) = (&point.frame, point.layers().lobe);
         let wo_local = frame.local_from_world(wo);
         let wi_local = lobe.sample(wo_local, to_vec2(direction));
         let pdf = lobe.pdf(wo_local, wi_local);
@@ -88,11 +98,31 @@ impl Tracer<'_> {
         if reflectance == Vec3::ZERO || wi.dot(point.geometric_normal) <= 0.0 {
             return Vec3::ZERO;
         }
-        let Some(hit) = self.scene.closest_hit(&Ray { origin: point.lifted(), direction: wi }, chance) else {
+        let ray = Ray { origin: point.lifted(), direction: wi };
+        let Some(hit) = self.scene.closest_caster(&ray, chance) else {
             return Vec3::ZERO;
         };
         let seen = self.scene.hit_point(&hit, -wi);
         reflectance * self.direct(&seen, -wi, beyond)
+    }
+
+    /// What the camera sees along a ray that meets nothing.
+    fn behind(&self, ray: &Ray) -> Vec3 {
+        self.background.map_or(Vec3::ZERO, |map| map.seen(ray.direction))
+    }
+
+    /// Share of the unshadowed light of a catcher that an estimate of what it reflects stands for.
+    fn share_left(&self, point: &HitPoint, reflected: Vec3) -> Vec3 {
+        let n = point.frame.n;
+        let full = || {
+            let unshadowed = self.unshadowed.as_ref().map_or(DVec3::ZERO, |light| light.irradiance(n));
+            (self.shadowed.irradiance(n) + unshadowed).as_vec3()
+        };
+        let mut known = self.unshadowed_irradiance.lock().unwrap_or_else(PoisonError::into_inner);
+        let full = *known.entry(n.to_array().map(f32::to_bits)).or_insert_with(full);
+        drop(known);
+        let irradiance = reflected * std::f32::consts::PI / point.surface.base_color;
+        Vec3::select(full.cmpgt(Vec3::splat(1e-20)), irradiance / full, Vec3::ONE)
     }
 
     /// Direct light reflected towards `wo`: one sample of either the light or the reflectance, weighted by the balance
@@ -106,7 +136,7 @@ impl Tracer<'_> {
         [direction, choice]: [DVec2; 2],
     ) -> Vec3 {
         let frame = &point.frame;
-        let layers = point.surface.layers();
+        let layers = point.layers();
         let wo_local = frame.local_from_world(wo);
         let lifted = point.lifted();
         let light = light.aim(lifted, frame.n);
@@ -126,6 +156,7 @@ impl Tracer<'_> {
         let arrives = |distance: f32| match shadowed {
             false => 1.0,
             true if wi.dot(point.geometric_normal) <= 0.0 => 0.0,
+            true if point.relief.is_some_and(|(relief, uv)| relief.hit(uv, wi).is_some()) => 0.0,
             true => self.scene.transmittance(&Ray { origin: lifted, direction: wi }, distance),
         };
         let (radiance, light_pdf) = light.evaluate(wi, arrives);

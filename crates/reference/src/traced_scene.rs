@@ -1,6 +1,10 @@
-use glam::{Mat3, Vec3, Vec3A};
-use gnomon_brdf::{Frame, Surface};
-use gnomon_scene::{AlphaMode, MeshId, Scene, WorldVertices, mirror_sign, normal_matrix};
+use std::sync::Arc;
+
+use glam::{Mat3, Vec2, Vec3, Vec3A};
+use gnomon_brdf::{Frame, Layers, Surface, Tables};
+use gnomon_scene::{
+    AlphaMode, Gradients, Material, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix,
+};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -8,6 +12,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::ray::RayHit;
 
+use crate::relief::Relief;
 use crate::{Ray, ReferenceError};
 
 /// Most placed triangles: the BVH has twice as many nodes and numbers them in 32 bits.
@@ -31,8 +36,12 @@ struct Instance {
     normal_from_mesh: Mat3,
     /// -1 where its placement mirrors it, else 1.
     handedness: f32,
+    /// Of its material, where its model is tabulated.
+    tables: Option<Arc<Tables>>,
     /// Lets rays through, all of them in some places or some of them everywhere.
     has_alpha: bool,
+    /// Is a catcher, which blocks no light.
+    catches: bool,
     /// Its vertices, where a skin or morph targets move them.
     deformed: Option<WorldVertices>,
 }
@@ -56,7 +65,7 @@ pub(crate) struct Hit {
 
 /// A hit, ready for shading.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HitPoint {
+pub(crate) struct HitPoint<'a> {
     /// World space [m], on the triangle up to rounding.
     pub(crate) position: Vec3,
     /// Unit normal of the triangle's plane, world space, on the viewer's side.
@@ -66,10 +75,20 @@ pub(crate) struct HitPoint {
     /// Distance along the normal that clears the rounding of `position` [m].
     pub(crate) clearance: f32,
     pub(crate) surface: Surface,
+    tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
+    /// Shows what is behind the scene; its surface then is matte.
+    pub(crate) catches: bool,
+    /// Bumps, seen from their front, and the place of the hit in their map.
+    pub(crate) relief: Option<(Relief<'a>, Vec2)>,
 }
 
-impl HitPoint {
+impl<'a> HitPoint<'a> {
+    /// Its reflectance.
+    pub(crate) fn layers(&self) -> Layers<'a> {
+        self.surface.layers().with_tables(self.tables)
+    }
+
     /// Start of a shadow ray on the viewer's side of the surface.
     pub(crate) fn lifted(&self) -> Vec3 {
         self.position + self.geometric_normal * self.clearance
@@ -85,6 +104,7 @@ impl<'a> TracedScene<'a> {
         let mut instances = Vec::new();
         let mut triangles = Vec::with_capacity(count);
         let pose = scene.pose();
+        let tables: Vec<_> = scene.materials.iter().map(Material::reflectance_tables).collect();
         for placed in scene.instances() {
             let instance = instances.len() as u32;
             let world_from_mesh = placed.world_from_mesh;
@@ -109,9 +129,11 @@ impl<'a> TracedScene<'a> {
             };
             instances.push(Instance {
                 mesh: placed.mesh,
+                tables: mesh.material.and_then(|material| tables[material.0].clone()),
                 normal_from_mesh,
                 handedness,
                 has_alpha: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
+                catches: scene.material(placed.mesh).catches,
                 deformed,
             });
         }
@@ -121,14 +143,28 @@ impl<'a> TracedScene<'a> {
 
     /// The surface that a ray stops at: the nearest one, or one behind it where that lets rays through. Then `chance`, uniform in [0, 1),
     /// decides: what of it lies beyond a surface's opacity is the chance at those behind.
-    pub(crate) fn closest_hit(&self, ray: &Ray, mut chance: f64) -> Option<Hit> {
+    pub(crate) fn closest_hit(&self, ray: &Ray, chance: f64) -> Option<Hit> {
+        self.closest(ray, chance, |_| true)
+    }
+
+    /// The same among surfaces that block light.
+    pub(crate) fn closest_caster(&self, ray: &Ray, chance: f64) -> Option<Hit> {
+        self.closest(ray, chance, |index| !self.catches(index))
+    }
+
+    fn catches(&self, triangle: usize) -> bool {
+        self.instances[self.triangles[triangle].instance as usize].catches
+    }
+
+    fn closest(&self, ray: &Ray, mut chance: f64, counts: impl Fn(usize) -> bool) -> Option<Hit> {
         let traversal = traversal_ray(ray)?;
         let mut passed = 0.0;
         loop {
             let mut nearest = RayHit::none();
             self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
                 let met = self.met(ray, index).map(|(t, _)| t);
-                met.filter(|&t| t > passed && t < traversal.tmax).unwrap_or(f32::INFINITY)
+                let met = met.filter(|&t| t > passed && t < traversal.tmax);
+                met.filter(|_| counts(index)).unwrap_or(f32::INFINITY)
             });
             let triangle = nearest.primitive_id;
             let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
@@ -148,18 +184,20 @@ impl<'a> TracedScene<'a> {
         // A lamp may touch what it hangs on: that is behind its front.
         traversal.tmax = distance * (1.0 - END_CLEARANCE);
         let mut left = 1.0;
-        let missed = self.bvh.ray_traverse_miss(traversal, |traversal, index| match self.met(ray, index) {
-            Some((t, opacity)) if t < traversal.tmax && opacity < 1.0 => {
-                left *= 1.0 - opacity;
-                f32::INFINITY
+        let missed = self.bvh.ray_traverse_miss(traversal, |traversal, index| {
+            match self.met(ray, index).filter(|_| !self.catches(index)) {
+                Some((t, opacity)) if t < traversal.tmax && opacity < 1.0 => {
+                    left *= 1.0 - opacity;
+                    f32::INFINITY
+                }
+                met => met.map_or(f32::INFINITY, |(t, _)| t),
             }
-            met => met.map_or(f32::INFINITY, |(t, _)| t),
         });
         if missed { left } else { 0.0 }
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
-    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint {
+    pub(crate) fn hit_point(&self, hit: &Hit, wo: Vec3) -> HitPoint<'_> {
         let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
         let index = triangle.index as usize;
@@ -169,8 +207,16 @@ impl<'a> TracedScene<'a> {
         };
         let [a, b, c] = triangle.corners;
         let geometric_normal = towards(wo, Vec3::from((b - a).cross(c - a).normalize_or(Vec3A::Y)));
-        let shading_normal =
-            (instance.normal_from_mesh * point.shading_normal).try_normalize().unwrap_or(geometric_normal);
+        let to_world =
+            |normal: Vec3| (instance.normal_from_mesh * normal).try_normalize().unwrap_or(geometric_normal);
+        let (mut shading_normal, smooth_normal) =
+            (to_world(point.shading_normal), to_world(point.smooth_normal));
+        let relief = self.relief(triangle, smooth_normal, point.uvs);
+        if let Some((relief, uv)) = &relief {
+            let rise = relief.gradients.rise(relief.scale * relief.map.slope(*uv));
+            shading_normal = bent_by_heights(shading_normal, smooth_normal, rise);
+        }
+        let is_front = smooth_normal.dot(geometric_normal) >= 0.0;
         let n = towards(geometric_normal, shading_normal);
         // The bitangent is the mesh's, whichever side is seen.
         let bitangent_sign = point.tangent.w * instance.handedness * n.dot(shading_normal);
@@ -182,9 +228,26 @@ impl<'a> TracedScene<'a> {
             geometric_normal,
             frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
             clearance: CLEARANCE * largest,
-            surface: point.surface,
+            surface: if instance.catches { Surface::default() } else { point.surface },
+            tables: instance.tables.as_deref().filter(|_| !instance.catches),
             emissive: point.emissive,
+            catches: instance.catches,
+            relief: relief.filter(|_| is_front),
         }
+    }
+
+    /// The heights around a point of a triangle, and its place in their map.
+    fn relief(&self, triangle: &Triangle, n: Vec3, uvs: [Vec2; 2]) -> Option<(Relief<'a>, Vec2)> {
+        let scene: &'a Scene = self.scene;
+        let mesh = self.instances[triangle.instance as usize].mesh;
+        let height = scene.material(mesh).height?;
+        let of_mesh = &scene.meshes[mesh.0];
+        let coordinates = of_mesh.uvs.get(height.set).filter(|set| !set.is_empty())?;
+        let corner_uvs = of_mesh.triangles[triangle.index as usize]
+            .map(|corner| height.transform(coordinates[corner as usize]));
+        let gradients = Gradients::new(triangle.corners.map(Vec3::from), corner_uvs, n)?;
+        let map = &*scene.height_maps[height.map.0];
+        Some((Relief { map, scale: height.scale, gradients, n }, height.transform(uvs[height.set])))
     }
 
     /// Distance to a triangle, and its opacity there, where it has any.

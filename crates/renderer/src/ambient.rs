@@ -63,6 +63,8 @@ const NEGLIGIBLE: f64 = 1e-6;
 pub(crate) struct AmbientLights {
     /// Lights that light.
     pub lights: Vec<DistantLight>,
+    /// So many of them are the fit's own, those in front.
+    pub of_fit: usize,
     /// Lights whose visibility alone is asked for; their radiance is 1 everywhere.
     pub probes: Vec<DistantLight>,
     /// What stays ambient.
@@ -76,6 +78,7 @@ impl Ambient {
     /// Turns the residual of `set` into at most `cells` lights or probes.
     pub(crate) fn lights(&self, set: &LightSet, cells: usize) -> Result<AmbientLights, RenderError> {
         let mut lights = set.lights.clone();
+        let of_fit = lights.len();
         let mut probes = Vec::new();
         let mut residual = set.residual.clone();
         let luminance = |flux: glam::DVec3| flux.dot(gnomon_picture::LUMINANCE.as_dvec3());
@@ -107,6 +110,6 @@ impl Ambient {
             }
         }
         let LightSet { omits_hidden, stands_alone, .. } = *set;
-        Ok(AmbientLights { lights, probes, residual, omits_hidden, stands_alone })
+        Ok(AmbientLights { lights, of_fit, probes, residual, omits_hidden, stands_alone })
     }
 }

@@ -21,6 +21,8 @@ pub(crate) struct InstanceBox {
     pub simpler: Vec<SimplerIndices>,
     pub instance: usize,
     pub world_from_mesh: Affine3A,
+    /// Whether it blocks light.
+    pub casts: bool,
 }
 
 /// Of coarser triangles.
@@ -57,6 +59,8 @@ pub(crate) struct PlacedBox {
     pub simpler: Vec<SimplerIndices>,
     /// Most by which lengths grow from the mesh to the world.
     scale: f32,
+    /// Whether it blocks light.
+    pub casts: bool,
     /// Where it is flat and everything else lies on one side of it.
     pub ground: Option<Ground>,
 }
@@ -72,6 +76,7 @@ impl PlacedBoxes {
             indices: boxes[index].indices.clone(),
             simpler: boxes[index].simpler.clone(),
             scale: greatest_scale(&boxes[index].world_from_mesh),
+            casts: boxes[index].casts,
             ground: Ground::of(&boxes[index], index, &all_corners, tolerance),
         };
         Self { boxes: all_corners.iter().enumerate().map(placed).collect(), around, tolerance }
@@ -80,6 +85,7 @@ impl PlacedBoxes {
     /// What can cast a shadow: of all indices up to `end` and the simpler ones behind them.
     pub fn casters(&self, wanted: &Casters<'_>, end: u32) -> DrawnCasters {
         let blocks_nothing = |place: &PlacedBox| match (place.ground, wanted.above) {
+            _ if !place.casts => true,
             (Some(ground), Some(light)) => ground.blocks_nothing_of(light),
             _ => false,
         };
@@ -157,6 +163,7 @@ pub(crate) mod tests {
             simpler: Vec::new(),
             instance: 0,
             world_from_mesh: Affine3A::IDENTITY,
+            casts: true,
         }
     }
 
@@ -177,6 +184,8 @@ pub(crate) mod tests {
         for partly_below in [d(1.0, 0.2, 0.0), d(1.0, -0.2, 0.0), d(0.2, -1.0, 0.0)] {
             assert_eq!(casters(partly_below), [(0, 20)], "{partly_below}");
         }
+        let catcher = InstanceBox { casts: false, ..ground.clone() };
+        assert_eq!(of(&PlacedBoxes::new(&[catcher, model.clone()]), d(0.2, -1.0, 0.0)), [(0, 6), (12, 20)]);
         // Triangles that lie among others, and a ground that something hangs below, are drawn.
         let mixed = PlacedBoxes::new(&[InstanceBox { indices: None, ..ground.clone() }, model]);
         let hanging = PlacedBoxes::new(&[ground, placed(p(-1.0, -2.0, -1.0), p(1.0, 2.0, 1.0))]);

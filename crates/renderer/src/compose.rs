@@ -14,7 +14,7 @@ pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgb
 pub(crate) struct Composed {
     /// Values along a pixel's side: 1, or the samples of a debug view.
     pub side: u32,
-    texture: wgpu::Texture,
+    pub texture: wgpu::Texture,
     pub values: wgpu::TextureView,
     texture_in_front: wgpu::Texture,
     /// Of the layers in front of the one that is composed.
@@ -41,7 +41,7 @@ impl Composed {
     }
 
     /// Ends a layer: what is composed so far lies in front of the next one.
-    pub fn end_layer(&self, recorder: &mut Recorder<'_>) {
+    fn end_layer(&self, recorder: &mut Recorder<'_>) {
         recorder.encoder.copy_texture_to_texture(
             self.texture.as_image_copy(),
             self.texture_in_front.as_image_copy(),
@@ -110,13 +110,13 @@ impl ComposePass {
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 
-    /// Adds a layer to a picture of `width` x `height` pixels; `groups` are those of frame and surface.
+    /// Adds a layer of surfaces that light passes, or what lies behind all, to a picture of `width` x `height` pixels; `groups` are those of frame and surface.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         [frame, surface]: [&wgpu::BindGroup; 2],
         [width, height]: [u32; 2],
-        points: &ShadingPoints,
+        (points, composed): (&ShadingPoints, &Composed),
         layer: u32,
     ) {
         let Some([smooth, edges]) = points.compose_groups.get(layer as usize) else { return };
@@ -128,5 +128,9 @@ impl ComposePass {
         pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
         pass.set_bind_group(layout::GROUP_PASS, edges, &[]);
         pass.dispatch_workgroups_indirect(&points.work, 4 * u64::from(layout::WORK_EDGE_DISPATCH));
+        drop(pass);
+        if layer as usize + 1 < points.compose_groups.len() {
+            composed.end_layer(recorder);
+        }
     }
 }

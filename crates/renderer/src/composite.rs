@@ -16,6 +16,8 @@ pub struct Compositing {
     pub module: &'static str,
     /// Whether the rule looks at unshadowed light.
     pub(crate) needs_unshadowed: bool,
+    /// Whether the picture is the sum of what each light gives it.
+    pub(crate) is_sum: bool,
 }
 
 /// Every compositing rule.
@@ -25,18 +27,21 @@ pub const COMPOSITINGS: &[Compositing] = &[
         summary: "ambient rest plus shadowed lights (Arbree 2005, Annen 2008)",
         module: "composite_additive",
         needs_unshadowed: false,
+        is_sum: true,
     },
     Compositing {
         name: "subtractive",
         summary: "unshadowed light less what shadows take away (DeCoro 2008)",
         module: "composite_subtractive",
         needs_unshadowed: true,
+        is_sum: false,
     },
     Compositing {
         name: "ratio",
         summary: "unshadowed light times the shadowed share of the fit (Heitz 2018)",
         module: "composite_ratio",
         needs_unshadowed: true,
+        is_sum: true,
     },
 ];
 

@@ -51,6 +51,13 @@ pub const DEBUG_VIEWS: &[DebugView] = &[
         false,
         layout::VIEW_POINTS,
     ),
+    view("bumps", "share of the hemisphere that bumps leave open", false, layout::VIEW_BUMPS),
+    view(
+        "scattered",
+        "irradiance that bumps scatter to each other, under a uniform sky of 1",
+        false,
+        layout::VIEW_SCATTERED,
+    ),
 ];
 
 /// The view called `name`; `None` for the picture itself.

@@ -107,6 +107,12 @@ pub enum RenderError {
         /// Adapter name.
         adapter: String,
     },
+    /// Layers are asked for where there are none.
+    #[error("there are no layers: {reason}")]
+    NoLayers {
+        /// Why.
+        reason: &'static str,
+    },
     /// A shader could not be put together: a fault of this library.
     #[error(transparent)]
     Shader(#[from] gnomon_shaders::ShaderError),

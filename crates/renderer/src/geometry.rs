@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use gnomon_scene::{
-    AlphaMode, Bounds, Instance, MaterialId, Mesh, Pose, Scene, SimplerTriangles, SkinId, Texture, TextureRef,
+    AlphaMode, Bounds, Instance, MaterialId, Mesh, NodeId, Pose, Scene, SimplerTriangles, SkinId, Texture,
+    TextureRef,
 };
 
 use crate::casters::{InstanceBox, PlacedBoxes, SimplerIndices};
@@ -52,6 +53,8 @@ pub(crate) struct Geometry {
     pub indices: wgpu::Buffer,
     /// By instance.
     runs: Vec<Run>,
+    /// By instance, the node that it hangs on.
+    nodes: Vec<NodeId>,
     pub ranges: Vec<DrawRange>,
     /// Of all triangles as they are; what follows them are simpler ones.
     pub index_count: u32,
@@ -74,6 +77,7 @@ pub(crate) struct Geometry {
 
 /// Another pose of a geometry.
 pub(crate) struct MovedGeometry {
+    nodes: Vec<NodeId>,
     boxes: Vec<InstanceBox>,
     placed_boxes: PlacedBoxes,
     data: PoseData,
@@ -82,8 +86,11 @@ pub(crate) struct MovedGeometry {
 /// What of an instance a new pose keeps.
 struct Kept {
     mesh: Arc<Mesh>,
+    /// What people know it by.
+    name: String,
     material: Option<MaterialId>,
     alpha: Option<Alpha>,
+    catches: bool,
     skin: Option<SkinId>,
     /// Of a mesh with alpha.
     micromaps: Option<Arc<Micromaps>>,
@@ -124,17 +131,24 @@ impl Alpha {
 /// A mesh that is placed, as rays see it.
 pub(crate) struct PlacedMesh<'a> {
     pub mesh: &'a Arc<Mesh>,
+    pub name: &'a str,
     /// Place of its first vertex among the frame's.
     pub first_vertex: u32,
     /// Where it has alpha.
     pub micromaps: Option<&'a Micromaps>,
+    pub casts: bool,
 }
 
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
         let alpha = Alpha::of(scene, &mesh);
-        Self { material: mesh.material, alpha, mesh, skin: instance.skin, micromaps: None }
+        let catches = scene.material(instance.mesh).catches;
+        let name = match scene.nodes.get(instance.node.0).map(|node| node.name.as_str()) {
+            None | Some("") => format!("mesh {}", instance.mesh.0),
+            Some(node) => format!("mesh {} of {node}", instance.mesh.0),
+        };
+        Self { material: mesh.material, name, alpha, catches, mesh, skin: instance.skin, micromaps: None }
     }
 }
 
@@ -142,7 +156,7 @@ impl PartialEq for Kept {
     fn eq(&self, other: &Self) -> bool {
         // A mesh that was made anew, such as a ground, may be the same.
         let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh) || self.mesh == other.mesh;
-        let rest = |kept: &Self| (kept.material, kept.skin);
+        let rest = |kept: &Self| (kept.material, kept.catches, kept.skin);
         same_mesh && rest(self) == rest(other) && self.alpha == other.alpha
     }
 }
@@ -203,6 +217,7 @@ impl Geometry {
                 simpler: Vec::new(),
                 instance,
                 world_from_mesh,
+                casts: !scene.material(placement.mesh).catches,
             };
             if scene.is_deformable(placement) {
                 // Its place is known once the pose is.
@@ -211,6 +226,12 @@ impl Geometry {
                     boxes.push(new_box(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, None));
                 }
             } else if let Some(detail) = details.get(&address(mesh)) {
+                if scene.material(placement.mesh).catches {
+                    // It is left out of maps as a whole.
+                    let around = detail.parts.iter().map(|part| part.bounds).reduce(Bounds::union);
+                    boxes.extend(around.map(|bounds| new_box(bounds, Some(whole.clone()))));
+                    continue;
+                }
                 if alpha_mode == AlphaMode::Opaque {
                     simpler.push((boxes.len(), &detail.simpler, instance));
                 }
@@ -275,6 +296,7 @@ impl Geometry {
             vertices,
             indices: indices.buffer(gpu, before.map(|before| &before.indices)),
             runs,
+            nodes: nodes(&placed),
             ranges,
             index_count,
             boxes,
@@ -299,12 +321,20 @@ impl Geometry {
         [positions, normals, tangents, &self.vertices.attributes.buffer]
     }
 
+    /// Each instance by itself: its node, the number of its material in the scene, its indices.
+    pub fn instances(&self) -> impl Iterator<Item = (NodeId, Option<usize>, Range<u32>)> {
+        let placed = self.nodes.iter().zip(&self.placed).zip(&self.runs);
+        placed.map(|((&node, kept), run)| (node, kept.material.map(|material| material.0), run.whole.clone()))
+    }
+
     /// The instances, in the order of [`crate::casters::PlacedBox::instance`].
     pub fn placed_meshes(&self) -> impl Iterator<Item = PlacedMesh<'_>> {
         self.placed.iter().zip(&self.vertices.slots).map(|(kept, slot)| PlacedMesh {
             mesh: &kept.mesh,
+            name: &kept.name,
             first_vertex: slot.first_vertex,
             micromaps: kept.micromaps.as_deref(),
+            casts: !kept.catches,
         })
     }
 
@@ -349,13 +379,14 @@ impl Geometry {
         let (boxes, placed_boxes) = self.moved_boxes(scene, &pose, placed)?;
         let numbers: Vec<u32> = self.vertices.slots.iter().map(|slot| slot.instance).collect();
         let data = PoseData::new(scene, &pose, placed, &numbers);
-        Ok(MovedGeometry { boxes, placed_boxes, data })
+        Ok(MovedGeometry { nodes: nodes(placed), boxes, placed_boxes, data })
     }
 
     /// Takes such a pose over, for the next frame.
     pub fn take(&mut self, moved: MovedGeometry) {
-        let MovedGeometry { boxes, placed_boxes, data } = moved;
+        let MovedGeometry { nodes, boxes, placed_boxes, data } = moved;
         (self.boxes, self.placed_boxes, self.moved) = (boxes, placed_boxes, Some(data));
+        self.nodes = nodes;
     }
 
     /// Brings to the GPU what has moved.
@@ -385,13 +416,7 @@ impl Geometry {
             let around = deformable.around(scene.morph_weights(instance), joints, instance.world_from_mesh);
             if let Some(((min, max), world_from_mesh)) = around {
                 let bounds = Bounds { min, max };
-                *place = InstanceBox {
-                    bounds,
-                    indices: None,
-                    simpler: Vec::new(),
-                    instance: place.instance,
-                    world_from_mesh,
-                };
+                (place.bounds, place.world_from_mesh) = (bounds, world_from_mesh);
             }
         }
         let placed_boxes = PlacedBoxes::new(&boxes);
@@ -432,6 +457,10 @@ fn kept(scene: &Scene, placed: &[Instance]) -> Vec<Kept> {
 
 fn joint_count(scene: &Scene) -> usize {
     scene.skins.iter().map(|skin| skin.joint_from_bind.len()).sum()
+}
+
+fn nodes(placed: &[Instance]) -> Vec<NodeId> {
+    placed.iter().map(|instance| instance.node).collect()
 }
 
 /// Every placed mesh. One draw a material: instances of the same material lie side by side.

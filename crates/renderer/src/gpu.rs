@@ -32,8 +32,9 @@ pub struct Gpu {
 }
 
 /// Features that are asked for where the adapter has them. A frame of the default techniques needs none.
-const WELCOME_FEATURES: wgpu::Features =
-    wgpu::Features::FLOAT32_FILTERABLE.union(wgpu::Features::TIMESTAMP_QUERY);
+const WELCOME_FEATURES: wgpu::Features = wgpu::Features::FLOAT32_FILTERABLE
+    .union(wgpu::Features::TIMESTAMP_QUERY)
+    .union(wgpu::Features::DEPTH32FLOAT_STENCIL8);
 
 impl Gpu {
     /// Opens the best adapter that `options` allows.
@@ -41,12 +42,19 @@ impl Gpu {
     /// # Errors
     /// [`RenderError::NoAdapter`], [`RenderError::MissingFeature`], [`RenderError::NoDevice`].
     pub async fn open(options: &GpuOptions) -> Result<Self, RenderError> {
-        let adapter = Self::choose_adapter(adapter::adapters().await, options)?;
-        let request = adapter.request_device(&Self::device_descriptor(&adapter));
+        Self::on(&Self::choose_adapter(adapter::adapters().await, options)?).await
+    }
+
+    /// Opens this adapter, for a program that has surfaces of the adapter's instance to show frames on.
+    ///
+    /// # Errors
+    /// [`RenderError::MissingFeature`], [`RenderError::NoDevice`].
+    pub async fn on(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
+        let request = adapter.request_device(&Self::device_descriptor(adapter));
         let (device, queue) = request
             .await
-            .map_err(|error| RenderError::NoDevice { adapter: name(&adapter), reason: error.to_string() })?;
-        let gpu = Self::from_wgpu(&adapter, device, queue)?;
+            .map_err(|error| RenderError::NoDevice { adapter: name(adapter), reason: error.to_string() })?;
+        let gpu = Self::from_wgpu(adapter, device, queue)?;
         gpu.handle_faults();
         Ok(gpu)
     }

@@ -94,6 +94,7 @@ mod tests {
             simpler: Vec::new(),
             instance: 0,
             world_from_mesh: place,
+            casts: true,
         };
         let (center, normal) = plane(&flat(Vec3::new(2.0, 0.0, 2.0))).unwrap();
         assert!(center.abs_diff_eq(Vec3::new(1.0, -1.0, 0.0), 1e-6) && normal.z.abs() > 0.999);

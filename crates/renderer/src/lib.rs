@@ -8,6 +8,7 @@
 pub mod ambient;
 mod batch_plan;
 mod bindings;
+mod bumps;
 mod camera;
 mod casters;
 mod compose;
@@ -21,6 +22,7 @@ mod gloss;
 mod gpu;
 mod ground;
 mod irradiance;
+pub mod layers;
 mod light_batches;
 mod light_frame;
 mod light_pass;
@@ -29,6 +31,7 @@ mod light_uniforms;
 mod lighting;
 pub mod lod;
 mod materials;
+mod mip_chain;
 mod near_light_frame;
 mod present;
 mod radiance_cache;
@@ -36,6 +39,7 @@ mod ray_scene;
 mod recorder;
 mod renderer;
 mod resolve;
+mod seen;
 mod settings;
 mod shading_points;
 pub mod shadow;
@@ -46,6 +50,7 @@ pub mod unshadowed;
 mod view_slices;
 
 pub use batch_plan::ShadowSizing;
+pub use bumps::{BumpShadows, Bumps};
 pub use error::RenderError;
 pub use gloss::{GlossPath, Reflections};
 #[cfg(not(target_arch = "wasm32"))]
@@ -56,7 +61,8 @@ pub use present::Presenter;
 pub use recorder::PassTiming;
 pub use renderer::{Change, Frame, LightingChange, Renderer, SceneChange, TimedFrame};
 pub use settings::{
-    DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+    Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
+    TechniqueSettings,
 };
 /// The graphics interface that [`Gpu::from_wgpu`] and [`Renderer::display_view`] speak of.
 pub use wgpu;

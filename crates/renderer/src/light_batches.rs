@@ -5,6 +5,7 @@ use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
 use crate::batch_plan::{Budget, Class, LightNeeds, plan};
+use crate::gbuffer::GBuffer;
 use crate::geometry::Geometry;
 use crate::light_pass::{self, LightPass};
 use crate::light_points::PointsOfLights;
@@ -36,6 +37,8 @@ pub(crate) struct LightBatches {
     slice_count: usize,
     slices: ViewSlices,
     sum_scales: Vec3,
+    /// Of each light by its place, which layer it is part of.
+    groups: Vec<u32>,
     /// Of all lights, where rays go to them.
     points_of_lights: Option<PointsOfLights>,
     /// Whether lights, scene or pose are others than those that batches are fitted to.
@@ -73,6 +76,8 @@ pub(crate) struct BatchContext<'a> {
     pub view: &'a wgpu::Buffer,
     /// Where the technique traces rays.
     pub ray_scene: Option<&'a RayScene>,
+    /// Module for slot `bumps`.
+    pub bumps: &'static str,
 }
 
 /// What a frame's light is summed of.
@@ -80,8 +85,9 @@ pub(crate) struct BatchContext<'a> {
 pub(crate) struct LitScene<'a> {
     pub geometry: &'a Geometry,
     pub materials: &'a Materials,
-    /// Bind group of what the camera sees.
-    pub gbuffer: &'a wgpu::BindGroup,
+    /// What the camera sees, and the bind group of its view.
+    pub seen: &'a GBuffer,
+    pub view: &'a wgpu::BindGroup,
     pub points: &'a ShadingPoints,
     /// Of the bands of a picture.
     pub is_first_band: bool,
@@ -101,7 +107,7 @@ impl LightBatches {
         near_lights: &[PlacedLight],
         (points, slice_count): (u64, usize),
     ) -> Result<Self, RenderError> {
-        let BatchContext { gpu, shared, technique, settings, view, ray_scene } = *context;
+        let BatchContext { gpu, shared, technique, settings, view, ray_scene, bumps } = *context;
         let shadow_settings = &settings.shadow_settings;
         // What is decided by the lights' sizes does not change as the environment turns.
         let mut all = frame_lights(lighting.fitted(), &lighting.points, near_lights);
@@ -147,7 +153,7 @@ impl LightBatches {
         for (index, class) in planned.into_iter().enumerate() {
             let LightNeeds { resolution, .. } = class.needs;
             let size = BatchSize { lights: class.capacity, resolution, points };
-            let context = ShadowContext { gpu, settings: shadow_settings, shared, size, rays };
+            let context = ShadowContext { gpu, settings: shadow_settings, shared, size, rays, bumps };
             let shadows = technique.resources(&context)?;
             classes.push(ClassShadows { needs: class.needs, shadows });
             for members in class.batches {
@@ -165,6 +171,7 @@ impl LightBatches {
             slice_count,
             slices: ViewSlices::default(),
             sum_scales: Vec3::ONE,
+            groups: Vec::new(),
             points_of_lights,
             is_stale: true,
             is_refitted: false,
@@ -237,6 +244,15 @@ impl LightBatches {
         self.is_stale = true;
     }
 
+    /// Lets the light of one group through from the next submission on, or that of all.
+    pub fn show_group(&self, gpu: &Gpu, group: Option<u32>) {
+        for (i, batch) in self.batches.iter().enumerate() {
+            let all = Batch::parameters(0, batch.members.len() as u32, i == 0);
+            let group = group.unwrap_or(layout::ALL_GROUPS);
+            gpu.write(&batch.parameters, &layout::Batch { group, ..all });
+        }
+    }
+
     /// Lights, scene or pose are others from now on.
     pub fn refit(&mut self) {
         self.is_stale = true;
@@ -248,19 +264,31 @@ impl LightBatches {
         gpu: &Gpu,
         (lighting, near_lights): (&Lighting, &[PlacedLight]),
         (geometry, slices): (&Geometry, ViewSlices),
-        only: Option<usize>,
+        (only, groups): (Option<usize>, &[u32]),
     ) {
         let moved = !self.sliced.is_empty() && self.slices != slices;
-        self.is_refitted = std::mem::take(&mut self.is_stale) || moved;
+        let regrouped = self.groups != groups;
+        self.is_refitted = std::mem::take(&mut self.is_stale) || moved || regrouped;
         if !self.is_refitted {
             return;
         }
         self.slices = slices;
+        self.groups = groups.to_vec();
         let mut all = frame_lights([&lighting.lights, &lighting.probes], &lighting.points, near_lights);
         add_slices(&mut all, &self.sliced, self.slice_count);
         for batch in &mut self.batches {
             let LightNeeds { resolution, .. } = self.classes[batch.class].needs;
             batch.fitted = self.fitting.fit(&all, &batch.members, resolution, (geometry, &self.slices), only);
+            for uniform in &mut batch.fitted.uniforms {
+                let place = uniform.number as usize;
+                // What is behind all lights shines on further slices.
+                let unsliced = all.len() - (self.slice_count - 1) * self.sliced.len();
+                let light = match place.checked_sub(unsliced) {
+                    Some(slice) => self.sliced[slice % self.sliced.len()],
+                    None => place,
+                };
+                uniform.group = groups.get(light).copied().unwrap_or_default();
+            }
             gpu.write(&batch.lights, batch.fitted.uniforms.as_slice());
         }
         if let Some(points) = &self.points_of_lights {
@@ -288,6 +316,32 @@ impl LightBatches {
         Ok(())
     }
 
+    /// Sums the light of a group, which [`LightBatches::show_group`] has let through, at the points of a stage that is listed. Unshadowed light is
+    /// that of all lights.
+    pub fn encode_group(
+        &self,
+        recorder: &mut Recorder<'_>,
+        light: &LightPass,
+        scene: LitScene<'_>,
+        (stage, group): (&PointStage, u32),
+    ) -> Result<(), RenderError> {
+        let of_list = |batch: &&Batch| self.classes[batch.class].needs.points == stage.list;
+        for batch in self.batches.iter().filter(of_list) {
+            let shadows = &self.classes[batch.class].shadows;
+            let frame = self.frame(batch, scene, stage);
+            if batch.fitted.uniforms.iter().any(|light| light.group == group) {
+                shadows.prepare(recorder, &frame)?;
+            }
+            light.encode(recorder, [frame.frame, frame.gbuffer, shadows.bind_group()], scene.points, stage);
+        }
+        Ok(())
+    }
+
+    /// Whether another batch of its class takes the place of its shadows.
+    fn takes_turns(&self, batch: &Batch) -> bool {
+        self.batches.iter().filter(|other| other.class == batch.class).count() > 1
+    }
+
     /// Makes what visibility of one batch needs once more: another batch of its class may have taken its place.
     pub fn prepare_again(
         &self,
@@ -303,14 +357,15 @@ impl LightBatches {
 
     /// The frame as the technique sees it for a batch.
     fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>, stage: &'a PointStage) -> FrameInputs<'a> {
-        let takes_turns = self.batches.iter().filter(|other| other.class == batch.class).count() > 1;
         let is_stale =
             scene.is_first_layer && stage.lists_tiles() && (scene.is_first_band || self.is_refitted);
         FrameInputs {
             geometry: scene.geometry,
             materials: scene.materials,
             frame: &batch.frame_group,
-            gbuffer: scene.gbuffer,
+            gbuffer: &scene.seen.group,
+            seen: scene.seen,
+            view: scene.view,
             points: scene.points,
             stage,
             lights: FrameLights {
@@ -318,7 +373,7 @@ impl LightBatches {
                 casters: &batch.fitted.casters,
                 group: &batch.lights_group,
             },
-            same_lights: !(takes_turns || is_stale),
+            same_lights: !(self.takes_turns(batch) || is_stale),
         }
     }
 }
@@ -362,6 +417,6 @@ impl Batch {
 
     fn parameters(first_light: u32, end_light: u32, first: bool) -> layout::Batch {
         let flags = if first { layout::FLAG_FIRST } else { 0 };
-        layout::Batch { first_light, end_light, flags }
+        layout::Batch { first_light, end_light, flags, group: layout::ALL_GROUPS }
     }
 }

@@ -60,9 +60,11 @@ fn extent(light: &DistantLight, scene: &PlacedBoxes, seen: &ViewSlice) -> Extent
     let mut held: Vec<Vec3> = Vec::new();
     let mut blocking = Vec::new();
     let is_lit = |ground: &Ground| ground.bears_towards(light.direction);
-    let receives_outside = scene.boxes.iter().filter_map(|place| place.ground.as_ref()).any(is_lit);
+    let receives_outside =
+        scene.boxes.iter().any(|place| !place.casts || place.ground.as_ref().is_some_and(is_lit));
     for place in &scene.boxes {
         match &place.ground {
+            _ if !place.casts => {}
             Some(ground) if is_lit(ground) => {}
             // A roof over it blocks beside the models, too.
             Some(ground) if !receives_outside && ground.bears_towards(-light.direction) => {
@@ -203,6 +205,7 @@ pub(crate) fn light_uniform(
         bias_scale: if seen.around.is_some() { (map_width / range).min(1.0) } else { 1.0 },
         vector_irradiance,
         number: 0,
+        group: 0,
     }
 }
 
@@ -220,6 +223,7 @@ mod tests {
             simpler: Vec::new(),
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
+            casts: true,
         }])
     }
 

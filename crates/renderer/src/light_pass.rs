@@ -29,8 +29,9 @@ pub(crate) struct LightPass {
 }
 
 impl LightPass {
-    pub fn new(gpu: &Gpu, shadow_module: &str, groups: Groups<'_>) -> Result<Self, RenderError> {
-        let module = gpu.shader("light", &[("shadow", shadow_module)])?;
+    /// With the modules of a shadow technique and of bumps.
+    pub fn new(gpu: &Gpu, [shadow, bumps]: [&str; 2], groups: Groups<'_>) -> Result<Self, RenderError> {
+        let module = gpu.shader("light", &[("shadow", shadow), ("bumps", bumps)])?;
         Ok(Self { pipeline: gpu.compute_pipeline(&module, "light", groups) })
     }
 

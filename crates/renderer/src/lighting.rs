@@ -23,6 +23,7 @@ pub struct PreparedLighting {
     pub(crate) ambient: &'static Ambient,
     pub(crate) ambient_cells: usize,
     lights: Vec<DistantLight>,
+    of_fit: usize,
     probes: Vec<DistantLight>,
     residual: Equirect,
     omits_hidden: bool,
@@ -73,6 +74,7 @@ impl PreparedLighting {
             points: of_cells,
             map: Arc::new(light_points::source(map)),
             lights: ambient.lights,
+            of_fit: ambient.of_fit,
             probes: ambient.probes,
         })
     }
@@ -101,6 +103,8 @@ impl PreparedRest {
 pub(crate) struct Lighting {
     /// Lights as the environment is turned.
     pub lights: Vec<DistantLight>,
+    /// So many of them are the fit's; the others are its ambient rest.
+    pub of_fit: usize,
     /// Lights that only tell how much of the sky is open, as the environment is turned.
     pub probes: Vec<DistantLight>,
     /// Lights and probes in the environment's own frame.
@@ -157,6 +161,7 @@ impl Lighting {
             RgbImage::from_fn(DFG_SIZE, DFG_SIZE, |x, y| gnomon_brdf::dfg(unit(x), unit(y)).extend(0.0));
         Ok(Self {
             lights: prepared.lights.clone(),
+            of_fit: prepared.of_fit,
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
             omits_hidden: prepared.omits_hidden,
@@ -183,6 +188,7 @@ impl Lighting {
         let lit = Self {
             points: points_of_cells(&ambient, &self.map),
             lights: ambient.lights.clone(),
+            of_fit: ambient.of_fit,
             probes: ambient.probes.clone(),
             fitted: [ambient.lights, ambient.probes],
             omits_hidden: ambient.omits_hidden,

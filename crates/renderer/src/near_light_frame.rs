@@ -74,6 +74,7 @@ pub(crate) fn near_light_uniform(
         bias_scale: 1.0,
         vector_irradiance: Vec3::ZERO,
         number: 0,
+        group: 0,
     }
 }
 
@@ -140,7 +141,7 @@ fn blockers<'b>(light: &PlacedLight, scene: &'b PlacedBoxes) -> Vec<&'b PlacedBo
             height.abs() <= scene.tolerance || !ground.bears_towards(height * ground.normal)
         })
     };
-    let blocking: Vec<&PlacedBox> = scene.boxes.iter().filter(blocks).collect();
+    let blocking: Vec<&PlacedBox> = scene.boxes.iter().filter(|place| place.casts && blocks(place)).collect();
     if blocking.is_empty() { scene.boxes.iter().collect() } else { blocking }
 }
 
@@ -172,6 +173,7 @@ mod tests {
             simpler: Vec::new(),
             instance: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
+            casts: true,
         }]
     }
 
@@ -235,6 +237,7 @@ mod tests {
             bounds: Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 0.0, 9.0) },
             instance: 1,
             world_from_mesh: Affine3A::IDENTITY,
+            casts: true,
         };
         let light = lamp(SHAPES[0], Vec3::new(0.3, 4.0, -0.2));
         let framed = |boxes: &[InstanceBox]| near_light_uniform(&light, &PlacedBoxes::new(boxes), 256, 1.0);

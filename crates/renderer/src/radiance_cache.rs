@@ -1,7 +1,8 @@
 use glam::{Mat4, Vec3};
 use gnomon_shaders::layout;
 
-use crate::bindings::{Binding, D2_ARRAY, array_view};
+use crate::bindings::{Binding, D2_ARRAY, array_view, set_groups};
+use crate::materials::tables::{self, TableTextures};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -76,7 +77,9 @@ impl RadianceCachePass {
         let bindings = [(0, Binding::Uniform), (1, Binding::LOADED), (2, written), (3, written)];
         let own = gpu.layout("radiance cache", wgpu::ShaderStages::COMPUTE, &bindings);
         let module = gpu.shader("radiance_cache", &[])?;
-        let pipeline = gpu.compute_pipeline(&module, "fill_cache", &[(layout::GROUP_PASS, &own)]);
+        let tables = gpu.layout("tables", wgpu::ShaderStages::COMPUTE, &tables::bindings());
+        let groups = [(layout::GROUP_SURFACE, &tables), (layout::GROUP_PASS, &own)];
+        let pipeline = gpu.compute_pipeline(&module, "fill_cache", &groups);
         Ok(Self { layout: own, pipeline })
     }
 
@@ -97,13 +100,20 @@ impl RadianceCachePass {
         gpu.bind_group("radiance cache", &self.layout, &resources)
     }
 
-    pub fn encode(&self, recorder: &mut Recorder<'_>, cache: &RadianceCache, group: &wgpu::BindGroup) {
+    /// `group` is the pass's own, `tables` those of the scene's materials.
+    pub fn encode(
+        &self,
+        recorder: &mut Recorder<'_>,
+        cache: &RadianceCache,
+        group: &wgpu::BindGroup,
+        tables: &TableTextures,
+    ) {
         if cache.lobes.is_empty() {
             return;
         }
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(layout::GROUP_PASS, group, &[]);
+        set_groups(&mut pass, &[(layout::GROUP_SURFACE, &tables.group), (layout::GROUP_PASS, group)]);
         let groups = cache.resolution.div_ceil(layout::TILE);
         pass.dispatch_workgroups(groups, groups, cache.lobes.len() as u32);
     }

@@ -5,6 +5,7 @@ use gnomon_picture::RgbImage;
 use gnomon_scene::{PlacedLight, Scene};
 use gnomon_shaders::layout;
 
+use crate::bumps::{MaterialHeights, Relief, ReliefPass};
 use crate::compose::Composed;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
@@ -14,6 +15,7 @@ use crate::radiance_cache::{RadianceCache, RadianceCachePass};
 use crate::ray_scene::{RayScene, RefitPass};
 use crate::recorder::PassTiming;
 use crate::resolve::{Output, ResolvePass};
+use crate::seen::{SeenPass, SeenTarget};
 use crate::settings::{Chosen, RenderSettings};
 use crate::shading_points::{ShadingPoints, ShadingPointsPass};
 use crate::shadow::depth_maps::ShadowMapPass;
@@ -25,8 +27,10 @@ mod change;
 mod debug;
 mod display;
 mod draw;
+mod layers;
 mod set;
 mod state;
+mod surfaces;
 mod timing;
 
 pub use change::{Change, LightingChange, SceneChange};
@@ -38,6 +42,9 @@ pub use timing::TimedFrame;
 pub struct Frame {
     /// Linear radiance, box-filtered.
     pub radiance: RgbImage,
+    /// How much each pixel hides of what is behind the scene, row by row from the top: 1 where it shows the scene alone, less at its edges, and
+    /// where it shows a catcher the share of light that shadows take. `radiance` is premultiplied by it where nothing is behind the scene.
+    pub alpha: Vec<f32>,
     /// Exposed, tone-mapped and sRGB-encoded: RGBA, 8 bits, top row first.
     pub display: Vec<[u8; 4]>,
     /// Time of every pass, where [`crate::MeasureSettings::profile`] is on.
@@ -52,15 +59,29 @@ pub struct Renderer {
     materials: Materials,
     /// Where shadow technique or gloss trace rays.
     ray_scene: Option<RayScene>,
+    /// Of changes, until they are asked for.
+    warnings: Vec<String>,
     near_lights: Vec<PlacedLight>,
     /// Of every material.
     surfaces: Vec<Surface>,
+    /// Of the materials that have them.
+    heights: Vec<MaterialHeights>,
+    /// What is prepared of them.
+    relief: Option<Relief>,
     world_from_environment: Quat,
     state: State,
     target: Option<Target>,
     /// Slices that the view of the last frame had.
     slice_count: usize,
     debug: Option<debug::Debug>,
+    /// Made for the first layers.
+    seen: Option<SeenPass>,
+    /// Of each light by its place, which layer it is part of.
+    light_groups: Vec<u32>,
+    /// Whether light is summed in floats.
+    has_wide_sums: bool,
+    /// The frame before, for motion.
+    before: Option<layers::Before>,
     in_flight: FramesInFlight,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
@@ -69,6 +90,7 @@ pub struct Renderer {
 struct Passes {
     transform: TransformPass,
     gbuffer: GBufferPass,
+    relief: ReliefPass,
     points: ShadingPointsPass,
     shared: SharedPasses,
     cache: RadianceCachePass,
@@ -83,6 +105,7 @@ struct Target {
     points: ShadingPoints,
     composed: Composed,
     output: Output,
+    seen: Option<SeenTarget>,
 }
 
 impl Renderer {
@@ -100,8 +123,10 @@ impl Renderer {
             shared: SharedPasses {
                 shadow_map: ShadowMapPass::new(gpu, &gbuffer.material_layout)?,
                 frame: light_pass::frame_layout(gpu),
+                view: gbuffer.view_layout.clone(),
                 gbuffer: gbuffer.read_layout.clone(),
             },
+            relief: ReliefPass::new(gpu, [&gbuffer.view_layout, &gbuffer.material_layout])?,
             gbuffer,
             points,
             cache: RadianceCachePass::new(gpu)?,
@@ -127,12 +152,19 @@ impl Renderer {
             materials: Materials::new(gpu, &passes.gbuffer.material_layout, &scene, None)?,
             passes,
             ray_scene: None,
+            warnings: Vec::new(),
             near_lights: Vec::new(),
             surfaces: Vec::new(),
+            heights: Vec::new(),
+            relief: None,
             world_from_environment: Quat::IDENTITY,
             target: None,
             slice_count: 1,
             debug: None,
+            seen: None,
+            light_groups: Vec::new(),
+            has_wide_sums: false,
+            before: None,
             in_flight: FramesInFlight::default(),
             view,
             view_group,

@@ -1,10 +1,11 @@
 use gnomon_brdf::Surface;
-use gnomon_options::{Group, Options, choice, number, power_of_two, settings, whole, yes_no};
+use gnomon_options::{Group, Options, choice, choices, number, power_of_two, settings, whole};
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_shaders::layout::CachedLobe;
 
 use crate::ambient::{self, Ambient};
 use crate::batch_plan::ShadowSizing;
+use crate::bumps::{BumpShadows, Bumps, MaterialHeights, Preparation};
 use crate::composite::{self, Compositing};
 use crate::gloss::{GlossPath, Reflections};
 use crate::shadow::{self, ShadowSettings, Techniques, VisibilityPath};
@@ -32,6 +33,19 @@ static LIGHTING: Group = Group { table: "", heading: "Lights", condition: None }
 static TECHNIQUES: Group = Group { table: "", heading: "Shadows", condition: None };
 const COMPOSITING: &str = "Compositing";
 const SAMPLING: &str = "Sampling";
+const BUMPS: &str = "Bumps";
+
+choices! {
+    /// What is seen behind the scene.
+    pub enum Background {
+        /// The environment.
+        Environment = "environment",
+        /// Nothing: black.
+        None = "none",
+        /// Nothing: pictures have an alpha channel, straight in PNG and premultiplied in EXR files.
+        Transparent = "transparent",
+    }
+}
 
 settings! {
     /// How radiance becomes a displayed picture.
@@ -41,8 +55,8 @@ settings! {
             number(-100.0, 100.0).unit("EV").automatic("what brings the environment's mean to 0.5", 0.0);
         /// How radiance is brought into the range of a display.
         tone_mapping: ToneMapping = ToneMapping::default(), choice(ToneMapping::choices);
-        /// Whether the environment is seen behind the scene.
-        background: bool = true, yes_no();
+        /// What is seen behind the scene.
+        background: Background = Background::default(), choice(Background::choices);
     }
 }
 
@@ -96,6 +110,10 @@ settings! {
         radiance_cache_resolution: u32 = 128, whole(16, 1024).under(COMPOSITING);
         /// Samples of a lobe for every texel of the radiance cache.
         radiance_cache_samples: u32 = 128, whole(1, 4096).under(COMPOSITING);
+        /// What heights of materials do.
+        bumps: Bumps = Bumps::default(), choice(Bumps::choices).under(BUMPS);
+        /// How it is kept from which directions bumps are lit.
+        bump_shadows: BumpShadows = BumpShadows::default(), choice(BumpShadows::choices).under(BUMPS);
         /// Samples along each side of a pixel; their mean is the pixel.
         supersample: u32 = 4, whole(1, 8).under(SAMPLING);
         /// Samples along each side of a tile over which lights are summed once. Samples unlike the tiles around them are lit by
@@ -173,6 +191,12 @@ impl Chosen {
     pub fn take_rest(&mut self, ambient: &'static Ambient, ambient_cells: usize) {
         self.ambient = ambient;
         self.settings.lighting = LightingSettings { ambient: ambient.name.to_owned(), ambient_cells };
+    }
+
+    /// What is to be prepared of a scene's heights.
+    pub fn preparation(&self, heights: &[MaterialHeights]) -> Option<Preparation> {
+        let techniques = &self.settings.techniques;
+        Preparation::new(techniques.bumps, techniques.bump_shadows, heights)
     }
 
     /// The lobes of a scene's surfaces that the radiance cache is for.

@@ -11,6 +11,8 @@ pub(crate) struct ShadingPoints {
     pub stages: Vec<PointStage>,
     /// Own bind groups of the passes that make a picture of the sums, layer by layer: over all pixels, and over edge pixels.
     pub compose_groups: Vec<[wgpu::BindGroup; 2]>,
+    /// A [`layout::Composition`] for each of these.
+    composed: Vec<[wgpu::Buffer; 2]>,
     /// Account of points: arguments of indirect dispatches, edge pixels.
     pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
@@ -81,6 +83,17 @@ pub(crate) struct SumPlanes {
     pub specular: bool,
     /// The scene has lights of its own.
     pub near: bool,
+    /// Sums are kept in floats, not in halves.
+    pub wide: bool,
+}
+
+impl SumPlanes {
+    /// Bytes for each point of diffuse, specular and near light.
+    fn bytes(self) -> [u64; 3] {
+        let wide = if self.wide { 2 } else { 1 };
+        let kept = |is_kept: bool, bytes: u64| if is_kept { wide * bytes } else { 0 };
+        [kept(true, DIFFUSE_BYTES), kept(self.specular, SPECULAR_BYTES), kept(self.near, NEAR_BYTES)]
+    }
 }
 
 /// The lists of a picture.
@@ -100,6 +113,18 @@ pub(crate) struct PointPlan {
 pub(crate) fn samplings(techniques: &TechniqueSettings) -> Vec<u32> {
     let (wide, sharp) = (techniques.shadow_sampling, techniques.sharp_shadow_sampling);
     if sharp < wide { vec![wide, sharp] } else { vec![wide] }
+}
+
+impl ShadingPoints {
+    /// What is composed from the next submission on, a PART constant.
+    pub fn compose_part(&self, gpu: &Gpu, part: u32) {
+        let layer_count = self.composed.len() as u32 - 1;
+        for (layer, pair) in (0..).zip(&self.composed) {
+            for (over_edges, buffer) in (0..).zip(pair) {
+                gpu.write(buffer, &layout::Composition { over_edges, part, layer, layer_count });
+            }
+        }
+    }
 }
 
 impl PointStage {
@@ -153,7 +178,8 @@ impl PointPlan {
 
     /// Bytes of the largest buffer.
     pub fn largest_buffer(&self) -> u64 {
-        let points = self.capacity() * POINT_BYTES.max(DIFFUSE_BYTES);
+        let largest_plane = self.planes.bytes().into_iter().max().unwrap_or(0);
+        let points = self.capacity() * POINT_BYTES.max(largest_plane);
         let own = if self.has_own_points() { 4 * self.samples() } else { 4 };
         points.max(own).max(self.work_bytes())
     }
@@ -264,7 +290,7 @@ impl ShadingPointsPass {
         })
     }
 
-    /// Buffers for a picture, which becomes `composed`, and the opacities of its layers.
+    /// Buffers for a picture, which becomes `target`, and the opacities of its layers.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter allows no buffer that large.
@@ -272,7 +298,7 @@ impl ShadingPointsPass {
         &self,
         gpu: &Gpu,
         plan: PointPlan,
-        composed: &Composed,
+        target: &Composed,
         (layer_count, opacities): (u32, &wgpu::TextureView),
     ) -> Result<ShadingPoints, RenderError> {
         let capacity = plan.capacity();
@@ -301,12 +327,11 @@ impl ShadingPointsPass {
         let point_of_tile = gpu.empty_buffer("points of tiles", 4 * plan.all_tiles(), storage);
         let own = if plan.has_own_points() { plan.samples() } else { 1 };
         let point_of_sample = gpu.empty_buffer("points of samples", 4 * own, storage);
-        let plane = |label, is_kept: bool, bytes| {
-            gpu.empty_buffer(label, if is_kept { capacity * bytes } else { 0 }, storage)
-        };
-        let diffuse = plane("sums of diffuse light", true, DIFFUSE_BYTES);
-        let specular = plane("sums of specular light", plan.planes.specular, SPECULAR_BYTES);
-        let near = plane("sums of near light", plan.planes.near, NEAR_BYTES);
+        let bytes = plan.planes.bytes();
+        let plane = |label, i: usize| gpu.empty_buffer(label, capacity * bytes[i], storage);
+        let diffuse = plane("sums of diffuse light", 0);
+        let specular = plane("sums of specular light", 1);
+        let near = plane("sums of near light", 2);
         let group = |label, layout, buffers: &[&wgpu::Buffer]| {
             let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
             gpu.bind_group(label, layout, &(0..).zip(buffers).collect::<Vec<_>>())
@@ -331,23 +356,29 @@ impl ShadingPointsPass {
             }
         });
         let stages = stages.collect();
-        let compose_group = |composition: layout::Composition| {
-            let composition = gpu.shared_buffer("composition", &composition, wgpu::BufferUsages::UNIFORM);
+        let composed: Vec<_> = (0..=layer_count)
+            .map(|layer| {
+                [0, 1].map(|over_edges: u32| {
+                    let part = layout::PART_PICTURE;
+                    let composition = layout::Composition { over_edges, part, layer, layer_count };
+                    gpu.shared_buffer("composition", &composition, wgpu::BufferUsages::UNIFORM)
+                })
+            })
+            .collect();
+        let compose_group = |composition: &wgpu::Buffer| {
             let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
             let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
-            resources.push((7, wgpu::BindingResource::TextureView(&composed.values)));
+            resources.push((7, wgpu::BindingResource::TextureView(&target.values)));
             resources.push((8, composition.as_entire_binding()));
             resources.push((9, wgpu::BindingResource::TextureView(opacities)));
-            resources.push((10, wgpu::BindingResource::TextureView(&composed.in_front)));
+            resources.push((10, wgpu::BindingResource::TextureView(&target.in_front)));
             gpu.bind_group("sums to compose", &self.compose_layout, &resources)
         };
-        let compose_groups = (0..=layer_count).map(|layer| {
-            [0, 1].map(|over_edges| compose_group(layout::Composition { over_edges, layer, layer_count }))
-        });
-        let compose_groups = compose_groups.collect();
+        let compose_groups = composed.iter().map(|pair| pair.each_ref().map(compose_group)).collect();
         Ok(ShadingPoints {
             stages,
             compose_groups,
+            composed,
             list: points,
             work,
             edge_dispatch,
@@ -410,14 +441,26 @@ impl ShadingPointsPass {
         }
         pass.set_pipeline(&self.end_stage);
         pass.dispatch_workgroups(1, 1, 1);
-        if stage.list > 0 {
-            drop(pass);
-            let (work, place) = (&points.work, stage.dispatch_offset);
-            recorder.encoder.copy_buffer_to_buffer(work, place, &points.stage_dispatch, 0, 16);
-            pass = self.begin(recorder, [view_group, gbuffer_group], stage);
-            pass.set_pipeline(&self.inherit);
-            pass.dispatch_workgroups_indirect(&points.stage_dispatch, 0);
+        drop(pass);
+        self.inherit(recorder, points, stage, [view_group, gbuffer_group]);
+    }
+
+    /// Starts the sums at a stage's points with those of the list before; its first list starts with none.
+    pub fn inherit(
+        &self,
+        recorder: &mut Recorder<'_>,
+        points: &ShadingPoints,
+        stage: &PointStage,
+        groups: [&wgpu::BindGroup; 2],
+    ) {
+        if stage.list == 0 {
+            return;
         }
+        let (work, place) = (&points.work, stage.dispatch_offset);
+        recorder.encoder.copy_buffer_to_buffer(work, place, &points.stage_dispatch, 0, 16);
+        let mut pass = self.begin(recorder, groups, stage);
+        pass.set_pipeline(&self.inherit);
+        pass.dispatch_workgroups_indirect(&points.stage_dispatch, 0);
     }
 
     fn begin<'a>(
@@ -453,7 +496,8 @@ mod tests {
     #[test]
     fn the_default_at_1920_x_1080_fits_what_web_gpu_guarantees() {
         let techniques = TechniqueSettings::default();
-        let plan = PointPlan::new(&techniques, [1920, 1080], SumPlanes { specular: true, near: true });
+        let plan =
+            PointPlan::new(&techniques, [1920, 1080], SumPlanes { specular: true, near: true, wide: false });
         let limits = wgpu::Limits::default();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         println!("{} points, the largest buffer {} bytes", plan.capacity(), plan.largest_buffer());
@@ -470,7 +514,8 @@ mod tests {
     fn blocks_divide_pixels() {
         for supersample in 1..=8 {
             let techniques = TechniqueSettings { supersample, ..Default::default() };
-            let plan = PointPlan::new(&techniques, [8, 8], SumPlanes { specular: false, near: false });
+            let planes = SumPlanes { specular: false, near: false, wide: false };
+            let plan = PointPlan::new(&techniques, [8, 8], planes);
             for (_, stage) in plan.stages() {
                 assert!(supersample % stage.block == 0 && stage.block <= supersample, "{stage:?}");
             }

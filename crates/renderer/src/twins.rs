@@ -2,13 +2,16 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_envmap::{Equirect, Sh9};
+use gnomon_shaders::layout::GROUP_SURFACE;
 use gnomon_shaders::twin::{half_pairs, hemisphere, math, resample};
 use gnomon_testing::tolerances::SHADER_TWIN;
 
 use crate::bindings::Binding;
 use crate::gpu::ReadBack;
+use crate::materials::tables::{self, PackedTables, TableTextures};
 use crate::{Gpu, GpuOptions};
 
+mod bumps;
 mod gbuffer_packing;
 mod lights;
 mod reflectance;
@@ -58,7 +61,11 @@ fn evaluate(gpu: &Gpu, module: &str, body: &str, inputs: &[[Vec4; 2]]) -> Vec<Ve
     });
     let bindings = [(0, Binding::Storage { read_only: true }), (1, Binding::Storage { read_only: false })];
     let layout = gpu.layout("twin", wgpu::ShaderStages::COMPUTE, &bindings);
-    let pipeline = gpu.new_compute_pipeline(&shader, "twin", &[(0, &layout)]);
+    // What reflectances that are tables read.
+    let tables_layout = gpu.layout("tables", wgpu::ShaderStages::COMPUTE, &tables::bindings());
+    let tables = TableTextures::new(gpu, &PackedTables::new(reflectance::TABLES.iter()));
+    let groups = [(0, &layout), (GROUP_SURFACE, &tables_layout)];
+    let pipeline = gpu.new_compute_pipeline(&shader, "twin", &groups);
     let input = gpu.buffer_with("inputs", bytemuck::cast_slice(inputs), wgpu::BufferUsages::STORAGE);
     let size = 16 * inputs.len() as u64;
     let output =
@@ -72,6 +79,7 @@ fn evaluate(gpu: &Gpu, module: &str, body: &str, inputs: &[[Vec4; 2]]) -> Vec<Ve
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(GROUP_SURFACE, &tables.group, &[]);
         pass.dispatch_workgroups(inputs.len().div_ceil(64) as u32, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&output, 0, &mapped, 0, size);

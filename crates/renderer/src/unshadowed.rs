@@ -23,13 +23,14 @@ pub struct Unshadowed {
 }
 
 impl Unshadowed {
-    /// The lobes of a scene's surfaces that are looked up in the radiance cache, each once. The default material has none.
+    /// The lobes of a scene's surfaces that are looked up in the radiance cache, each once. The default material has none. Tables are none of
+    /// them: what they hold may hang on the tangent, which the cache does not know, so that they are sampled at every pixel.
     pub(crate) fn cached_lobes(&self, surfaces: &[Surface]) -> Vec<CachedLobe> {
         let mut lobes: Vec<CachedLobe> = Vec::new();
         for surface in surfaces {
             let cached = !self.samples_lobes && (self.caches_prefiltered || !surface.model.is_prefiltered());
             let lobe = CachedLobe { model: surface.model as u32, shape: surface.shape() };
-            if cached && !surface.is_matte() && !lobes.contains(&lobe) {
+            if cached && !surface.model.is_tabulated() && !surface.is_matte() && !lobes.contains(&lobe) {
                 lobes.push(lobe);
             }
         }

@@ -14,6 +14,7 @@ mod color;
 mod error;
 mod geometry;
 mod gltf;
+mod heights;
 mod mtl;
 mod obj;
 mod ply;
@@ -27,7 +28,7 @@ mod toml;
 pub use axes::{Axes, UNITS, UpAxis};
 pub use camera::read_camera;
 pub use error::SceneFileError;
-pub use resolver::{FileResolver, ReadError, Resolver};
+pub use resolver::{FileResolver, ReadError, Resolver, plain};
 pub use toml::read_sections;
 
 /// A scene format that [`load`] reads.

@@ -10,6 +10,7 @@
 //! | `Ns` | roughness: Blinn-Phong's exponent to GGX, `alpha = sqrt(2 / (Ns + 2))`, `roughness = sqrt(alpha)` (Walter et al. 2007, eq. in section 5.3) |
 //! | `Ni` | index of refraction |
 //! | `Pr`, `Pm`, `norm` | roughness, metallic, normal map (the physically based extension) |
+//! | `map_bump`, `bump` | heights: from black to white `-bm` hundredths of the picture's width on the surface, as no unit is given (`obj.rs`) |
 //! | `d`, `Tr` below 1 | opaque, with a warning; `d` goes before `Tr`, which some programs write like `d` |
 //! | `xyz`, `spectral` colours | CIE XYZ; spectral curves are not read |
 //! | `-s`, `-o`, `-clamp`, `-imfchan` of maps, `-bm` of `norm` | as they say |
@@ -154,9 +155,7 @@ fn key(name: &str) -> String {
 }
 
 /// Maps that are no part of a material here, by their keywords.
-const WITHOUT_EFFECT: [(&str, &str); 14] = [
-    ("bump", "bump (heights)"),
-    ("map_bump", "bump (heights)"),
+const WITHOUT_EFFECT: [(&str, &str); 12] = [
     ("disp", "disp"),
     ("map_disp", "disp"),
     ("decal", "decal"),
@@ -180,6 +179,7 @@ struct Entry {
     holes: Option<Map>,
     emission: Option<Map>,
     normals: Option<Map>,
+    heights: Option<Map>,
     specular: Option<Vec3>,
     exponent: Option<f32>,
     roughness: Option<f32>,
@@ -222,6 +222,7 @@ impl Entry {
             "map_kd" => self.base = map()?,
             "map_d" => self.holes = map()?,
             "map_ke" => self.emission = map()?,
+            "bump" | "map_bump" => self.heights = map()?,
             "norm" | "map_norm" | "map_kn" => self.normals = map()?,
             _ => without_effect
                 .extend(WITHOUT_EFFECT.iter().filter(|(name, _)| *name == keyword).map(|(_, what)| what)),
@@ -290,6 +291,9 @@ impl Entry {
         }
         material.normal_texture = pictures.texture(self.normals.as_ref(), None, places, budget, scene)?;
         material.normal_scale = self.normals.map_or(1.0, |map| map.strength);
+        if let Some(map) = &self.heights {
+            material.height = pictures.heights(map, places, budget, scene)?;
+        }
         Ok(material)
     }
 }

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use gnomon_messages::quoted;
-use gnomon_scene::{Ground, Material, MaterialId, Mesh, Scene};
+use gnomon_scene::{Ground, Height, Material, MaterialId, Mesh, Scene};
 
 use super::mtl::Library;
 use super::polygon::Cutter;
@@ -283,6 +283,14 @@ impl Reader {
             let tangent_set = scene.materials[material.0].tangent_set();
             let mesh = geometry::finish(mesh, tangent_set, "the mesh", budget, &mut scene.warnings)?;
             scene.push_mesh(&name, mesh);
+        }
+        // Strengths of heights are in hundredths of the picture's width.
+        for material in 0..scene.materials.len() {
+            let width = scene.height_extent(material).map(|extent| (extent.x * extent.y).sqrt());
+            let height = &mut scene.materials[material].height;
+            *height = height
+                .zip(width)
+                .map(|(height, width)| Height { scale: 0.01 * width * height.scale, ..height });
         }
         if has_colors {
             // Colours multiply the base colour: let grey not darken them.

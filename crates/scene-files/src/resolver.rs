@@ -48,18 +48,23 @@ impl Resolver for FileResolver {
     }
 }
 
-/// Files in memory, by their paths without `.` and `..`: what a browser fetched, or an archive held.
+/// A path without `.` and `..`, which are taken by their word: there are no links.
+pub fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => drop(plain.pop()),
+            other => plain.push(other),
+        }
+    }
+    plain
+}
+
+/// Files in memory, by their [`plain`] paths: what a browser fetched, or an archive held.
 impl Resolver for HashMap<PathBuf, Vec<u8>> {
     fn read(&self, path: &Path, most: usize) -> Result<Vec<u8>, ReadError> {
-        let mut plain = PathBuf::new();
-        for part in path.components() {
-            match part {
-                Component::CurDir => {}
-                Component::ParentDir => drop(plain.pop()),
-                other => plain.push(other),
-            }
-        }
-        let bytes = self.get(&plain).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
+        let bytes = self.get(&plain(path)).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
         if bytes.len() <= most { Ok(bytes.clone()) } else { Err(ReadError::TooLong) }
     }
 }

@@ -6,10 +6,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use ::toml::Spanned;
-use glam::{Affine3A, DMat3, DVec3, EulerRot, Mat3, Quat, Vec3};
+use glam::{Affine2, Affine3A, DMat3, DVec3, EulerRot, Mat3, Quat, Vec2, Vec3};
+use gnomon_brdf::{BASE_COLOR, Model, SPECULAR, Tables};
 use gnomon_messages::quoted;
 use gnomon_scene::{
-    Camera, Ground, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene, builtin, excess,
+    Camera, Ground, Height, HeightMapId, Material, MaterialId, Node, NodeId, ReflectanceSettings, Scene,
+    Wrap, builtin, excess,
 };
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
@@ -19,7 +21,7 @@ use super::{
     load_within,
 };
 use crate::error::Fault;
-use crate::{Resolver, SceneFileError};
+use crate::{Resolver, SceneFileError, heights};
 
 mod light;
 
@@ -80,6 +82,8 @@ struct SceneFile {
     #[serde(default)]
     light: Vec<Spanned<light::LightEntry>>,
     // How the scene is drawn is read by whoever draws it, through `read_sections`.
+    #[serde(rename = "paper")]
+    _paper: Option<IgnoredAny>,
     #[serde(rename = "fit")]
     _fit: Option<IgnoredAny>,
     #[serde(rename = "render")]
@@ -206,9 +210,58 @@ struct MaterialEntry {
     reflectance: Option<String>,
     emissive: Option<[f32; 3]>,
     double_sided: Option<bool>,
+    height: Option<HeightEntry>,
+    /// A file of tables or of a measurement.
+    tables: Option<String>,
+    metal: Option<String>,
     /// Of the reflectance model.
     #[serde(flatten)]
     parameters: BTreeMap<String, Numbers>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HeightEntry {
+    file: String,
+    scale: f32,
+    #[serde(default)]
+    tiling: Tiling,
+    #[serde(default)]
+    offset: [f32; 2],
+    #[serde(default)]
+    wrap: HeightWrap,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "tiling is one number or two")]
+enum Tiling {
+    Uniform(f32),
+    Axes([f32; 2]),
+}
+
+impl Default for Tiling {
+    fn default() -> Self {
+        Self::Uniform(1.0)
+    }
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum HeightWrap {
+    #[default]
+    Repeat,
+    Mirror,
+    Clamp,
+}
+
+impl From<HeightWrap> for Wrap {
+    fn from(wrap: HeightWrap) -> Self {
+        match wrap {
+            HeightWrap::Repeat => Self::Repeat,
+            HeightWrap::Mirror => Self::MirroredRepeat,
+            HeightWrap::Clamp => Self::ClampToEdge,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -237,7 +290,10 @@ impl Reader<'_> {
         let mut scene = Scene::default();
         let mut materials = BTreeMap::new();
         for (name, entry) in &file.material {
-            let material = self.material(name, entry)?;
+            let mut material = self.material(name, entry, &mut scene.warnings, budget)?;
+            if let Some(height) = &entry.get_ref().height {
+                material.height = Some(self.height(height, entry, budget, &mut scene)?);
+            }
             let excess = excess(&material.surface);
             scene.warnings.extend(excess.map(|excess| format!("material '{}': {excess}", quoted(name))));
             materials.insert(name.as_str(), MaterialId(scene.materials.len()));
@@ -307,10 +363,22 @@ impl Reader<'_> {
             placed.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = None);
             placed.materials.clear();
             placed.textures.clear();
+            placed.height_maps.clear();
             let first = scene.meshes.len();
             scene.append_at(placed, self.root(spanned, name)?, translation);
             scene.meshes[first..].iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = Some(*id));
+            let has_heights = scene.materials[id.0].height.is_some();
+            if has_heights && scene.meshes[first..].iter().any(|mesh| mesh.uvs[0].is_empty()) {
+                scene.warnings.push(format!(
+                    "material '{}': its heights need texture coordinates, which a mesh has not",
+                    quoted(material)
+                ));
+            }
         } else {
+            // Heights of a model grow with it.
+            let scale = model.scale().element_product().abs().cbrt();
+            let heights = placed.materials.iter_mut().filter_map(|material| material.height.as_mut());
+            heights.for_each(|height| height.scale *= scale);
             scene.append_at(placed, self.root(spanned, name)?, translation);
         }
         scene.ground = scene.ground.or(ground);
@@ -335,13 +403,44 @@ impl Reader<'_> {
         })
     }
 
-    fn material(&self, name: &str, spanned: &Spanned<MaterialEntry>) -> Result<Material, Fault> {
+    fn material(
+        &self,
+        name: &str,
+        spanned: &Spanned<MaterialEntry>,
+        warnings: &mut Vec<String>,
+        budget: &mut Budget,
+    ) -> Result<Material, Fault> {
         let entry = spanned.get_ref();
         let mistake = |message: String| self.at(spanned, format!("material '{}': {message}", quoted(name)));
         let mut material = Material { name: quoted(name), double_sided: true, ..Material::default() };
         let parameters = entry.parameters.iter().map(|(name, numbers)| (name.as_str(), numbers.as_slice()));
-        let settings = ReflectanceSettings::of_values(entry.reflectance.as_deref(), parameters);
-        settings.map_err(mistake)?.apply(&mut material.surface);
+        let metal = entry.metal.as_deref().map(ReflectanceSettings::of_metal).transpose().map_err(mistake)?;
+        let of_metal = metal.iter().flatten().map(|(name, values)| (*name, values.as_slice()));
+        let measured = entry.tables.as_ref().map(|_| Model::Measured.name());
+        let model = entry.reflectance.as_deref().or(measured);
+        let settings = ReflectanceSettings::of_values(model, parameters.chain(of_metal)).map_err(mistake)?;
+        settings.apply(&mut material.surface);
+        match &entry.tables {
+            Some(_) if settings.model() != Model::Measured => {
+                return Err(mistake(format!("{} makes its tables itself", settings.model().name())));
+            }
+            Some(file) => {
+                if settings.get(&SPECULAR).is_none() {
+                    material.surface.specular = 1.0;
+                }
+                if settings.get(&BASE_COLOR).is_none() {
+                    // The measurement is all of the surface.
+                    material.surface.base_color = Vec3::ZERO;
+                }
+                let (tables, warning) = self.tables(file, budget)?;
+                material.tables = Some(Arc::new(tables));
+                warnings.extend(warning.map(|warning| format!("material '{}': {warning}", quoted(name))));
+            }
+            None if settings.model() == Model::Measured => {
+                return Err(mistake("measured needs 'tables', a .bsdf, .binary or .json file".to_owned()));
+            }
+            None => {}
+        }
         if let Some(color) = entry.emissive {
             if !color.iter().all(|value| (0.0..=f32::MAX).contains(value)) {
                 return Err(mistake("emissive must be at least 0".to_owned()));
@@ -350,6 +449,43 @@ impl Reader<'_> {
         }
         material.double_sided = entry.double_sided.unwrap_or(true);
         Ok(material)
+    }
+
+    fn height(
+        &self,
+        entry: &HeightEntry,
+        of: &Spanned<MaterialEntry>,
+        budget: &mut Budget,
+        scene: &mut Scene,
+    ) -> Result<Height, Fault> {
+        let tiling = match entry.tiling {
+            Tiling::Uniform(tiling) => Vec2::splat(tiling),
+            Tiling::Axes(tiling) => Vec2::from_array(tiling),
+        };
+        let offset = Vec2::from_array(entry.offset);
+        if !(entry.scale.is_finite() && tiling.is_finite() && offset.is_finite()) {
+            return Err(self.at(of, "scale, tiling and offset of heights must be finite".to_owned()));
+        }
+        let path = self.source.sibling(&entry.file);
+        let bytes = super::read_file(&path, self.source.resolver, budget)?;
+        let wrap = Wrap::from(entry.wrap);
+        let map = heights::decode(&bytes, [wrap; 2], budget, |warning| scene.warnings.push(warning));
+        scene.height_maps.push(Arc::new(map.map_err(|fault| Fault::from(fault.at(&path)))?));
+        Ok(Height {
+            map: HeightMapId(scene.height_maps.len() - 1),
+            uv_from_mesh: Affine2::from_scale_angle_translation(tiling, 0.0, offset),
+            set: 0,
+            scale: entry.scale,
+        })
+    }
+
+    /// Tables of a file that this one names.
+    fn tables(&self, file: &str, budget: &mut Budget) -> Result<(Tables, Option<String>), Fault> {
+        let path = self.source.sibling(file);
+        let bytes = self.source.read(&path, budget)?;
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let loaded = gnomon_measured::load(&extension.unwrap_or_default(), &bytes);
+        loaded.map_err(|error| Fault::invalid(error.to_string()).at(&path).into())
     }
 
     fn environment(&self, spanned: &Spanned<EnvironmentEntry>) -> Result<EnvironmentSettings, Fault> {

@@ -272,3 +272,31 @@ fn deep_hierarchies_do_not_overflow_the_stack() {
     });
     assert_eq!(read(&document).scene.triangle_count(), 1);
 }
+
+/// There is no ratified extension for heights: a material's extras hold them.
+#[test]
+fn heights_are_read_from_extras() {
+    let material = |extras: Value| {
+        let scene = read(&triangle(|d| {
+            d["images"] = json!([{"uri": pixel([51; 4])}]);
+            d["samplers"] = json!([{"wrapS": 33071}]);
+            d["textures"] = json!([{"source": 0, "sampler": 0}]);
+            d["materials"] = json!([{"extras": extras}]);
+            d["meshes"][0]["primitives"][0]["material"] = json!(0);
+        }))
+        .scene;
+        (scene.materials[0].height, scene)
+    };
+    let info =
+        json!({"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"scale": [2.0, 2.0]}}});
+    let (height, scene) = material(json!({"gnomon_height": {"texture": info, "scale": 0.25}}));
+    let height = height.unwrap();
+    assert_eq!((height.scale, height.set, height.transform(Vec2::ONE)), (0.25, 1, Vec2::splat(2.0)));
+    let wrap = scene.height_maps[height.map.0].wrap();
+    assert_eq!(wrap, [gnomon_scene::Wrap::ClampToEdge, gnomon_scene::Wrap::Repeat]);
+    assert_eq!(material(json!({"author": "someone"})).0, None);
+    for broken in [json!({"scale": 1.0}), json!("bumps"), json!({"texture": {"index": 0}, "scale": 1e40})] {
+        let (height, scene) = material(json!({"gnomon_height": broken}));
+        assert!(height.is_none() && scene.warnings.len() == 1, "{:?}", scene.warnings);
+    }
+}

@@ -207,7 +207,7 @@ fn maps_are_found_by_any_name_with_their_options() {
     // 3 u + 1/4, and 2 v + 1/2 from the bottom.
     assert_eq!(texture.transform(Vec2::new(0.5, 1.0 - 0.125)), Vec2::new(1.75, 1.0 - 0.75));
     assert_eq!(scene.textures[texture.texture.0].wrap, [Wrap::ClampToEdge; 2]);
-    assert!(warns(&scene, "no effect here: -t, bump (heights), map_Ks"), "{:?}", scene.warnings);
+    assert!(warns(&scene, "no effect here: -t, map_Ks"), "{:?}", scene.warnings);
     let (scene, bent) = material("newmtl m\nnorm -bm 0.5 tex.png\nmap_Ke tex.png\n");
     assert_eq!((bent.normal_scale, bent.emissive, scene.textures.len()), (0.5, Vec3::ONE, 1));
     assert!(bent.normal_texture.is_some() && !scene.meshes[0].tangents.is_empty());
@@ -254,4 +254,18 @@ proptest! {
         prop_assert_eq!(scene.triangle_count(), 1);
         prop_assert!(scene.warnings.iter().all(|warning| !warning.contains('\n')));
     }
+}
+
+/// White is as high as `-bm` hundredths of the picture's width on the surface.
+#[test]
+fn bump_maps_are_heights() {
+    let (scene, material) = material("newmtl m\nmap_bump -bm 2 -s 4 4 mask.png\n");
+    let height = material.height.unwrap();
+    // Four times along a metre.
+    assert!((height.scale - 0.02 * 0.25).abs() < 1e-7, "{height:?}");
+    let map = &scene.height_maps[height.map.0];
+    assert_eq!((map.size(), map.range()), ([4, 2], [0.0, 1.0]));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let (scene, material) = self::material("newmtl m\nbump none.png\n");
+    assert!(material.height.is_none() && warns(&scene, "heights are left out"), "{:?}", scene.warnings);
 }

@@ -252,3 +252,66 @@ fn sections_about_drawing_are_left_to_whoever_draws() {
     assert!(error.contains("line 10: unknown field `shadow`"), "{error}");
     assert!(read_sections::<Sections>(&folder.path().join("scene.glb"), &FileResolver).unwrap().is_none());
 }
+
+/// A scene file with a triangle of a material with heights, beside pictures of them.
+fn with_heights(heights: &str, texture: &str) -> Result<LoadedScene, SceneFileError> {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    write("bare.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write("mapped.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+    let gray = image::GrayImage::from_fn(4, 2, |x, _| image::Luma([51 * x as u8]));
+    gray.save(folder.path().join("h.png")).unwrap();
+    let nan =
+        gnomon_picture::RgbImage::from_fn(3, 2, |x, _| Vec3::splat(if x == 1 { f32::NAN } else { 0.0 }));
+    gnomon_picture::write(folder.path().join("nan.exr"), &nan).unwrap();
+    let path = folder.path().join("scene.toml");
+    let text =
+        format!("[[model]]\nfile = \"{texture}.obj\"\nmaterial = \"m\"\n[material.m]\nheight = {heights}\n");
+    std::fs::write(&path, text).unwrap();
+    load(&path, &LoadOptions::default())
+}
+
+#[test]
+fn heights_of_materials() {
+    let scene = with_heights(
+        "{ file = \"h.png\", scale = 0.5, tiling = [2, 3], offset = [0.25, 0], wrap = \"mirror\" }",
+        "mapped",
+    )
+    .unwrap()
+    .scene;
+    let height = scene.materials[0].height.unwrap();
+    assert_eq!((height.scale, height.transform(Vec2::ONE)), (0.5, Vec2::new(2.25, 3.0)));
+    let map = &scene.height_maps[height.map.0];
+    assert_eq!(
+        (map.size(), map.texel(1, 0), map.wrap()),
+        ([4, 2], 0.2, [gnomon_scene::Wrap::MirroredRepeat; 2])
+    );
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    // The map lies once along half a metre and a third of one.
+    assert!((scene.height_extent(0).unwrap() - Vec2::new(0.5, 1.0 / 3.0)).length() < 1e-6);
+    let bare = with_heights("{ file = \"h.png\", scale = 1 }", "bare").unwrap().scene;
+    assert!(
+        bare.warnings.iter().any(|warning| warning.contains("texture coordinates")),
+        "{:?}",
+        bare.warnings
+    );
+    assert_eq!(bare.height_extent(0), None);
+}
+
+#[test]
+fn heights_that_cannot_be_are_one_clear_error() {
+    for (heights, message) in [
+        (
+            "{ file = \"nan.exr\", scale = 1 }",
+            "nan.exr is damaged or invalid: the height in column 1 of row 0 is NaN",
+        ),
+        ("{ file = \"mapped.obj\", scale = 1 }", "mapped.obj cannot be used: heights are pictures"),
+        ("{ file = \"none.png\", scale = 1 }", "cannot read"),
+        ("{ file = \"h.png\", scale = inf }", "must be finite"),
+        ("{ file = \"h.png\" }", "missing field `scale`"),
+        ("{ file = \"h.png\", scale = 1, depth = 2 }", "unknown field `depth`"),
+    ] {
+        let error = with_heights(heights, "mapped").err().unwrap().to_string();
+        assert!(error.contains(message) && !error.contains('\n'), "{heights}: {error}");
+    }
+}

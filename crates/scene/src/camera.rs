@@ -1,4 +1,4 @@
-use glam::{Affine3A, DVec3, Mat3, Mat3A, Mat4, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, DVec2, DVec3, Mat3, Mat3A, Mat4, Vec2, Vec3, Vec3A};
 use serde::{Deserialize, Serialize};
 
 use crate::camera_settings::CameraSettings;
@@ -103,6 +103,37 @@ impl Camera {
             camera.origin = origin;
         }
         camera
+    }
+
+    /// `fx`, `fy`, `cx` and `cy` [pixels] of a pinhole for a picture of this size, as OpenCV has them; `None` for a parallel view.
+    pub fn intrinsics(&self, size: [u32; 2]) -> Option<[f64; 4]> {
+        let Projection::Perspective { fov_x } = self.projection else { return None };
+        let [width, height] = size.map(f64::from);
+        let aspect = f64::from(self.film.pixel_aspect);
+        let shift = self.film.shift.as_dvec2();
+        let fx = 0.5 * width / (0.5 * f64::from(fov_x)).tan();
+        let cx = 0.5 * width - 0.5 - shift.x * width;
+        let cy = 0.5 * height - 0.5 + shift.y * width / aspect;
+        Some([fx, fx / aspect, cx, cy])
+    }
+
+    /// Where a place in world space is seen: the pixel, counted as OpenCV does, and the distance along the viewing axis [m], which is not above 0
+    /// for what lies behind.
+    pub fn project(&self, place: Vec3, size: [u32; 2]) -> Vec3 {
+        let in_camera = self.world_from_camera.as_dmat4().inverse().transform_point3(place.as_dvec3());
+        let [width, height] = size.map(f64::from);
+        let depth = -in_camera.z;
+        // On the film, in half widths of the picture.
+        let film = match self.projection {
+            Projection::Perspective { fov_x } => {
+                in_camera.truncate() / (depth * (0.5 * f64::from(fov_x)).tan())
+            }
+            Projection::Orthographic { half_width } => in_camera.truncate() / f64::from(half_width),
+        };
+        let at =
+            (film - 2.0 * self.film.shift.as_dvec2()) / DVec2::new(1.0, f64::from(self.film.pixel_aspect));
+        let pixel = DVec2::new(0.5 * width * (1.0 + at.x) - 0.5, 0.5 * (height - width * at.y) - 0.5);
+        pixel.extend(depth).as_vec3()
     }
 
     /// Position in world space [m].

@@ -295,6 +295,14 @@ mod tests {
             let seen = camera.film.plane_from_picture(place) * (0.5 * fov_x).tan();
             let expected = Vec2::new((pixel.x - 310.5) / 900.0, -(pixel.y - 200.25) / 800.0);
             assert!((seen - expected).length() < 1e-6, "{pixel}: {seen} {expected}");
+            // At a depth of 3 m.
+            let place = Vec3::new(3.0 * expected.x, 3.0 * expected.y, -3.0);
+            let projected = camera.project(place, [640, 480]);
+            assert!((projected - pixel.extend(3.0)).length() < 1e-3, "{pixel}: {projected}");
+        }
+        let lens = camera.intrinsics([640, 480]).unwrap();
+        for (number, expected) in lens.iter().zip([900.0, 800.0, 310.5, 200.25]) {
+            assert!((number - expected).abs() < 1e-3, "{lens:?}");
         }
         let plain: Camera = "eye=0,0,0; target=0,0,-1; fx=900; size=640x480".parse().unwrap();
         assert_eq!(plain.film, Film::default());

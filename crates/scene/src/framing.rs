@@ -1,9 +1,11 @@
 //! What a model needs to be looked at when its file does not say: a camera, and ground to throw its shadow on.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use gnomon_options::choices;
 
-use crate::{Bounds, Camera, Material, MaterialId, Mesh, Scene, SceneError};
+use crate::{Bounds, Camera, Material, MaterialId, Mesh, NodeId, Scene, SceneError};
 
 choices! {
     /// What lies under the models.
@@ -12,12 +14,17 @@ choices! {
         None = "none",
         /// A matte square, its half side four times the radius of the models' footprint.
         Plane = "plane",
+        /// What is seen behind the scene, darkened where the scene shadows a level ground; a level ground of the scene's own becomes that.
+        Catcher = "catcher",
     }
 }
 
 /// Half the ground's side over the radius of the model's footprint. Shadow maps cover the scene's bounds, so a larger
 /// ground would cost them resolution.
 const GROUND_HALF_SIDE: f32 = 4.0;
+
+/// The same of a catcher over that: it is not drawn into maps, and where it ends nothing may be seen of it.
+const CATCHER_SIDES: f32 = 4.0;
 
 /// Half the side of the smallest ground [m]: its node's scale can be squared.
 const LEAST_HALF_SIDE: f32 = 1e-9;
@@ -48,23 +55,43 @@ impl Scene {
     /// The same under models that reach elsewhere than they do now, such as to [`Scene::bounds_of_clip`]. The mesh is that of
     /// [`Scene::add_ground`], whatever the reach: its node places and scales it, so that another reach is but another pose.
     pub fn add_ground_under(&mut self, ground: Ground, reach: Option<Bounds>) {
-        let (Ground::Plane, None, Some(own), Some(reach)) = (ground, self.ground, self.bounds(), reach)
+        if ground == Ground::Catcher
+            && let Some(node) = self.ground
+        {
+            self.make_catcher(node);
+        }
+        let (false, None, Some(own), Some(reach)) =
+            (ground == Ground::None, self.ground, self.bounds(), reach)
         else {
             return;
         };
+        let catches = ground == Ground::Catcher;
         // Models that are a point at rest leave no size to scale.
         let unit = Some(half_side(own)).filter(|half| *half > LEAST_HALF_SIDE).unwrap_or(1.0);
-        let material = Material { name: "ground".to_owned(), double_sided: true, ..Material::default() };
+        let material =
+            Material { name: "ground".to_owned(), double_sided: true, catches, ..Material::default() };
         self.materials.push(material);
         let mut mesh = square(Vec3::ZERO, unit);
         mesh.material = Some(MaterialId(self.materials.len() - 1));
         let node = self.push_mesh("ground", mesh);
         self.nodes[node.0].parent_from_node = Affine3A::from_scale_rotation_translation(
-            Vec3::splat(half_side(reach) / unit),
+            Vec3::splat(half_side(reach) / unit * if catches { CATCHER_SIDES } else { 1.0 }),
             Quat::IDENTITY,
             reach.center().with_y(reach.min.y),
         );
         self.ground = Some(node);
+    }
+
+    /// Makes catchers of the meshes of a node that are level.
+    fn make_catcher(&mut self, node: NodeId) {
+        for mesh in self.nodes[node.0].meshes.clone() {
+            let own = Arc::make_mut(&mut self.meshes[mesh.0]);
+            if own.normals.iter().all(|normal| normal.y.abs() > 0.9999) {
+                let material = own.material.and_then(|material| self.materials.get(material.0)).cloned();
+                self.materials.push(Material { catches: true, ..material.unwrap_or_default() });
+                own.material = Some(MaterialId(self.materials.len() - 1));
+            }
+        }
     }
 
     /// Whether everything stands on one level surface that reaches out under all of it: a ground that was laid, or the scene's own, be it
@@ -166,8 +193,6 @@ pub fn camera_around(bounds: Option<Bounds>, aspect: f32) -> Camera {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::{Projection, builtin};
 
@@ -267,6 +292,19 @@ mod tests {
         let mut boxes = builtin::by_name("three-boxes").unwrap();
         boxes.add_ground(Ground::Plane);
         assert_eq!(boxes.triangle_count(), 38);
+    }
+
+    #[test]
+    fn a_catcher_is_laid_or_made_of_a_level_ground() {
+        let mut laid = scene(Vec3::ZERO, Vec3::ONE);
+        laid.add_ground(Ground::Catcher);
+        assert!(laid.materials[0].catches);
+        let mut boxes = builtin::by_name("three-boxes").unwrap();
+        let count = boxes.materials.len();
+        boxes.add_ground(Ground::Catcher);
+        assert_eq!((boxes.triangle_count(), boxes.materials.len()), (38, count + 1));
+        let caught = boxes.instances().iter().filter(|i| boxes.material(i.mesh).catches).count();
+        assert_eq!(caught, 1);
     }
 
     #[test]

@@ -1,5 +1,9 @@
+use std::sync::Arc;
+
 use glam::{Affine2, Vec2, Vec3};
-use gnomon_brdf::Surface;
+use gnomon_brdf::{Surface, Tables};
+
+use crate::Height;
 
 /// Index into [`crate::Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -83,6 +87,8 @@ pub struct Material {
     pub name: String,
     /// Factors.
     pub surface: Surface,
+    /// Tables of a file, for the model that has none of its own.
+    pub tables: Option<Arc<Tables>>,
     /// sRGB: base colour; alpha in A.
     pub base_color_texture: Option<TextureRef>,
     /// Linear: roughness in G, metallic in B.
@@ -91,6 +97,8 @@ pub struct Material {
     pub normal_texture: Option<TextureRef>,
     /// Scale of the normal texture's x and y.
     pub normal_scale: f32,
+    /// Heights: relief that shades, shadows and lights itself.
+    pub height: Option<Height>,
     /// Linear: specular strength in A.
     pub specular_texture: Option<TextureRef>,
     /// sRGB: specular tint.
@@ -107,6 +115,8 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// What the file says of its back. Pictures do not depend on it: every surface is seen and lit from both sides.
     pub double_sided: bool,
+    /// Shows what is seen behind the scene, by the share of the light that shadows leave on it, and blocks no light itself.
+    pub catches: bool,
 }
 
 impl Default for Material {
@@ -115,10 +125,12 @@ impl Default for Material {
         Self {
             name: String::new(),
             surface: Surface::default(),
+            tables: None,
             base_color_texture: None,
             metallic_roughness_texture: None,
             normal_texture: None,
             normal_scale: 1.0,
+            height: None,
             specular_texture: None,
             specular_color_texture: None,
             emissive: Vec3::ZERO,
@@ -127,11 +139,20 @@ impl Default for Material {
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
+            catches: false,
         }
     }
 }
 
 impl Material {
+    /// Tables of the glossy part, where its model is tabulated: the file's, or those that the model makes of its parameters.
+    pub fn reflectance_tables(&self) -> Option<Arc<Tables>> {
+        if !self.surface.model.is_tabulated() {
+            return None;
+        }
+        self.surface.tables().map(Arc::new).or_else(|| self.tables.clone())
+    }
+
     /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map.
     pub fn tangent_set(&self) -> Option<usize> {
         let needs_tangent = self.surface.model.needs_tangent();

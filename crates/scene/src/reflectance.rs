@@ -5,7 +5,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnomon_brdf::{Model, Parameter, Surface};
+use gnomon_brdf::{EXTINCTION, INDEX, METALS, Model, Parameter, Surface};
 use gnomon_messages::quoted;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -14,7 +14,7 @@ use crate::{Material, MaterialId, Mesh, MeshId, Scene, SceneError};
 /// A reflectance model, and those of its parameters that are given.
 ///
 /// As text it is `MODEL` or `MODEL:KEY=VALUE,KEY=VALUE,...`, as in `phong:shininess=40,specular=0.3,diffuse=0.5`; a colour is one
-/// number, or three separated by `/`. The models are those of [`Model::ALL`]; `SCENE_FORMAT.md` lists the keys.
+/// number, or three separated by `/`; `metal=gold` is index and extinction of a metal. The models are those of [`Model::ALL`]; `SCENE_FORMAT.md` lists the keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReflectanceSettings {
     model: Model,
@@ -75,6 +75,18 @@ impl ReflectanceSettings {
             Some(missing) => Err(format!("{} needs '{}'", model.name(), missing.name)),
             None => Ok(Self { model, values }),
         }
+    }
+
+    /// Index and extinction of a metal, as [`ReflectanceSettings::of_values`] takes them.
+    ///
+    /// # Errors
+    /// What metals there are.
+    pub fn of_metal(name: &str) -> Result<[(&'static str, [f32; 3]); 2], String> {
+        let known = METALS.iter().find(|metal| metal.name == name).ok_or_else(|| {
+            let known: Vec<_> = METALS.iter().map(|metal| metal.name).collect();
+            format!("there is no metal '{}' (there are: {})", quoted(name), known.join(", "))
+        })?;
+        Ok([(INDEX.name, known.index.to_array()), (EXTINCTION.name, known.extinction.to_array())])
     }
 
     /// The model of a surface with every parameter that concerns it: [`ReflectanceSettings::apply`] makes of any surface one that
@@ -154,6 +166,11 @@ impl FromStr for ReflectanceSettings {
             let (name, values) = part
                 .split_once('=')
                 .ok_or_else(|| bad(format!("'{}' is not KEY=VALUE", quoted(part.trim()))))?;
+            if name.trim() == "metal" {
+                let of_metal = Self::of_metal(values.trim()).map_err(bad)?;
+                given.extend(of_metal.map(|(name, values)| (name, values.to_vec())));
+                continue;
+            }
             let values = values
                 .split('/')
                 .map(|value| value.trim().parse::<f32>())
@@ -202,6 +219,15 @@ impl Scene {
         changed.for_each(|(_, material)| settings.apply(&mut material.surface));
         let warning = self.materials.iter().find_map(|material| excess(&material.surface));
         self.warnings.extend(warning);
+        let lacks_tables = |material: &Material| {
+            material.surface.model.is_tabulated() && material.reflectance_tables().is_none()
+        };
+        if self.materials.iter().any(lacks_tables) {
+            self.warnings.push(format!(
+                "{} needs tables of a file, which the scene file's material names: without them it is matte",
+                settings.model.name()
+            ));
+        }
     }
 
     /// Gives what [`Scene::set_reflectance`] tells apart materials of its own: the ground's meshes, where they share theirs, and those

@@ -3,8 +3,8 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 use crate::{
-    AnimatedNode, Animation, AreaLight, Camera, Influences, Material, MorphTarget, SceneError, Skin, Texture,
-    TextureRef,
+    AnimatedNode, Animation, AreaLight, Camera, HeightMap, Influences, Material, MorphTarget, SceneError,
+    Skin, Texture, TextureRef,
 };
 
 /// Index into [`Scene::meshes`].
@@ -89,6 +89,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Textures.
     pub textures: Vec<Arc<Texture>>,
+    /// Maps of heights.
+    pub height_maps: Vec<Arc<HeightMap>>,
     /// Nodes, parents before children.
     pub nodes: Vec<Node>,
     /// Cameras, in file order; the first is used unless another is named.
@@ -210,6 +212,7 @@ impl Scene {
     /// moved from there. Cameras of `other` keep an origin of their own, and so their digits, until [`Scene::move_origin`].
     pub fn append_at(&mut self, other: Self, mut root: Node, translation: DVec3) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
+        let height_maps = self.height_maps.len();
         let (textures, first) = (self.textures.len(), self.nodes.len() + 1);
         let (skins, cameras) = (self.skins.len(), self.cameras.len());
         let moved_texture = |texture: &mut Option<TextureRef>| {
@@ -218,9 +221,13 @@ impl Scene {
             }
         };
         self.textures.extend(other.textures);
+        self.height_maps.extend(other.height_maps);
         self.materials.extend(other.materials.into_iter().map(|mut material| {
             for texture in material.textures_mut() {
                 moved_texture(texture);
+            }
+            if let Some(height) = &mut material.height {
+                height.map.0 += height_maps;
             }
             material
         }));

@@ -16,6 +16,8 @@ pub struct SurfacePoint {
     pub surface: Surface,
     /// Interpolated vertex normal bent by the normal map.
     pub shading_normal: Vec3,
+    /// Interpolated vertex normal.
+    pub smooth_normal: Vec3,
     /// Interpolated tangent with the bitangent's sign in w; zero where the mesh has none.
     pub tangent: Vec4,
     /// Normal of the triangle's plane; the shading normal where the triangle has no area.
@@ -113,6 +115,7 @@ impl Scene {
         SurfacePoint {
             surface,
             shading_normal,
+            smooth_normal: smooth,
             tangent,
             geometric_normal: plane.unwrap_or(smooth),
             uvs,

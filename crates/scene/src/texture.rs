@@ -10,8 +10,8 @@ static LINEAR_FROM_SRGB8: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| srgb_decode(code as f32 / 255.0)));
 
 impl Wrap {
-    /// Texel index in `0..size` for a texel index outside it.
-    fn apply(self, index: i64, size: u32) -> usize {
+    /// Index in `0..size` of the texel that stands at an index, which may lie outside.
+    pub fn texel(self, index: i64, size: u32) -> usize {
         let size = i64::from(size);
         let wrapped = match self {
             Self::Repeat => index.rem_euclid(size),
@@ -47,7 +47,7 @@ impl Texture {
         };
         let (x, y) = (place(uv.x, self.width), place(uv.y, self.height));
         let texel = |x: i64, y: i64| {
-            let (x, y) = (self.wrap[0].apply(x, self.width), self.wrap[1].apply(y, self.height));
+            let (x, y) = (self.wrap[0].texel(x, self.width), self.wrap[1].texel(y, self.height));
             decode(self.rgba8[y * self.width as usize + x])
         };
         if self.nearest {

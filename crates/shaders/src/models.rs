@@ -60,17 +60,24 @@ const FUNCTIONS: [Function; 8] = [
     },
 ];
 
-/// The module that imports every model's file and chooses among their functions. `has` tells whether a file defines a function; what it
-/// leaves out is `default_NAME` of `brdf_lobe`.
+/// The module that imports every model's file and chooses among their functions. `has` tells whether a file holds a text; functions that it
+/// leaves out are `tables_NAME` of `brdf_tables` for models that are tabulated, which need no file, or `default_NAME` of `brdf_lobe`.
 pub(crate) fn source(has: impl Fn(&str, &str) -> bool) -> String {
     let names: Vec<String> = Model::ALL.iter().map(|model| model.name().replace('-', "_")).collect();
-    let mut text = String::from("#import brdf_lobe\n");
-    for name in &names {
+    let mut text = String::from("#import brdf_lobe\n#import brdf_tables\n");
+    for name in names.iter().filter(|name| has(&format!("brdf_{name}"), "")) {
         let _ = writeln!(text, "#import brdf_{name}");
     }
     for (number, name) in names.iter().enumerate() {
         let _ = writeln!(text, "const MODEL_{}: u32 = {number}u;", name.to_uppercase());
     }
+    let tabulated: Vec<String> = (0..)
+        .zip(Model::ALL)
+        .filter(|(_, model)| model.is_tabulated())
+        .map(|(number, _): (u32, _)| format!("lobe.model == {number}u"))
+        .collect();
+    let _ =
+        writeln!(text, "fn is_tabulated(lobe: Lobe) -> bool {{\n    return {};\n}}", tabulated.join(" || "));
     for function in &FUNCTIONS {
         let list = |of: fn(&(&str, &str)) -> String| -> String {
             function.parameters.iter().map(|parameter| format!(", {}", of(parameter))).collect()
@@ -83,11 +90,16 @@ pub(crate) fn source(has: impl Fn(&str, &str) -> bool) -> String {
             let _ = writeln!(text, "    if wi.z <= 0.0 {{\n        return {value};\n    }}");
         }
         let _ = writeln!(text, "    switch lobe.model {{");
-        for (number, name) in names.iter().enumerate() {
+        for (number, (name, model)) in names.iter().zip(Model::ALL).enumerate() {
             // WGSL wants a default: the first model, which is Rust's default, too.
             let or_default = if number == 0 { ", default" } else { "" };
-            let of =
-                if has(&format!("brdf_{name}"), &format!("fn {name}_{what}(")) { name } else { "default" };
+            let of = if has(&format!("brdf_{name}"), &format!("fn {name}_{what}(")) {
+                name
+            } else if model.is_tabulated() && has("brdf_tables", &format!("fn tables_{what}(")) {
+                "tables"
+            } else {
+                "default"
+            };
             let case = format!("case MODEL_{}{or_default}", name.to_uppercase());
             let _ = writeln!(
                 text,

@@ -55,22 +55,39 @@ pub const ENTRIES: &[Entry] = &[
     },
     Entry { module: "debug_view", slots: &[] },
     Entry { module: "downsample", slots: &[] },
+    Entry { module: "edge_refit", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
+    Entry { module: "gbuffer_layers", slots: &[] },
     Entry { module: "gloss", slots: &[("reflections", &["reflections_off", "reflections_scene"])] },
-    Entry { module: "light", slots: &[("shadow", SHADOWS)] },
-    Entry { module: "light", slots: &[("shadow", &["shadow_buffered"])] },
+    Entry { module: "layers", slots: &[] },
+    Entry { module: "light", slots: &[("shadow", SHADOWS), ("bumps", &["bumps_none"])] },
+    Entry { module: "light", slots: &[("shadow", &["shadow_buffered", "shadow_pcss"]), ("bumps", BUMPS)] },
+    Entry { module: "min_max", slots: &[] },
     Entry { module: "moments", slots: &[] },
     Entry { module: "present", slots: &[] },
     Entry { module: "radiance_cache", slots: &[] },
     Entry { module: "ray_refit", slots: &[] },
+    Entry { module: "relief", slots: &[] },
     Entry { module: "resolve", slots: &[] },
+    Entry { module: "seen", slots: &[] },
     Entry { module: "shading_points", slots: &[] },
     Entry { module: "shadow_map", slots: &[] },
     Entry { module: "shadow_map_masked", slots: &[] },
+    Entry { module: "shadow_volumes", slots: &[] },
+    Entry { module: "silhouettes", slots: &[] },
+    Entry { module: "stencil_depth", slots: &[] },
+    Entry { module: "stencil_visibility", slots: &[] },
     Entry { module: "summed_area", slots: &[] },
     Entry { module: "transform", slots: &[] },
-    Entry { module: "visibility", slots: &[("shadow", SHADOWS)] },
+    Entry { module: "visibility", slots: &[("shadow", SHADOWS), ("bumps", BUMPS)] },
+    Entry { module: "visibility", slots: &[("shadow", BUFFERED_SHADOWS), ("bumps", BUMPS)] },
 ];
+
+/// What bumps do to light.
+const BUMPS: &[&str] = &["bumps_none", "bumps_ellipses", "bumps_horizons"];
+
+/// Shadow techniques whose function only fills a buffer: beside the sums of light there is no room for what they read.
+const BUFFERED_SHADOWS: &[&str] = &["shadow_wedges"];
 
 /// Every shadow technique with a function of its own.
 const SHADOWS: &[&str] = &[
@@ -80,6 +97,8 @@ const SHADOWS: &[&str] = &[
     "shadow_pcf",
     "shadow_pcss",
     "shadow_moments",
+    "shadow_backprojection",
+    "shadow_bitmask",
     "shadow_rays",
     "shadow_convolution",
     "shadow_convolution_anisotropic",
@@ -146,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_module_imported_twice_appears_once() {
-        let source = resolve("light", &[("shadow", "shadow_hard")]).unwrap();
+        let source = resolve("light", &[("shadow", "shadow_hard"), ("bumps", "bumps_none")]).unwrap();
         assert_eq!(source.matches("struct View {").count(), 1);
         assert!(!source.contains("#import"));
     }

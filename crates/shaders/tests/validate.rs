@@ -53,6 +53,7 @@ fn no_module_is_out_of_reach() {
     for module in modules() {
         let filled = [
             ("shadow", "shadow_none"),
+            ("bumps", "bumps_none"),
             ("composite", "composite_additive"),
             ("reflections", "reflections_off"),
         ];

@@ -41,8 +41,17 @@ fn background_at(sample: vec2u) -> vec3f {
     return equirect_lookup(background, direction, 0) * view.background_scale;
 }
 
-// Radiance of a surface under these sums.
-fn shade(surface: Surface, sums: LightSums) -> vec3f {
+// Radiance of a surface under these sums, in the parts that make its sum.
+struct Shaded {
+    emission: vec3f,
+    diffuse: vec3f,
+    specular: vec3f,
+    // Of the light on the matte part, the share that shadows leave, without the scene's own lights and with what they add.
+    shadow: vec3f,
+    lit: vec3f,
+}
+
+fn shade(surface: Surface, sums: LightSums) -> Shaded {
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
 
     // Of the ambient rest, what the probes see.
@@ -58,9 +67,15 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
     if !has_own_light {
         full_diffuse = full_irradiance(n_environment);
     }
-    let environment_diffuse = composite(full_diffuse, fit_diffuse, open * ambient_diffuse + sums.diffuse_shadowed);
+    let open_ambient = select(open * ambient_diffuse, vec3f(0.0), composition.part == PART_LIGHTS);
+    let environment_diffuse = composite(full_diffuse, fit_diffuse, open_ambient + sums.diffuse_shadowed);
     let diffuse = base_weight * (environment_diffuse + sums.diffuse_near);
-    var result = surface.emission + surface.diffuse_color / PI * diffuse;
+    var shaded: Shaded;
+    shaded.emission = surface.emission;
+    shaded.diffuse = surface.diffuse_color / PI * diffuse;
+    let is_lit = full_diffuse > vec3f(1e-20);
+    shaded.shadow = select(vec3f(1.0), environment_diffuse / max(full_diffuse, vec3f(1e-20)), is_lit);
+    shaded.lit = shaded.shadow + select(vec3f(0.0), sums.diffuse_near / max(full_diffuse, vec3f(1e-20)), is_lit);
     if has_lobe(surface.lobe) {
         let roughness = reflectance_equivalent_roughness(surface.lobe);
         let specular_albedo = reflectance_albedo(surface.lobe, n_dot_v, environment_brdf(n_dot_v, roughness));
@@ -78,20 +93,100 @@ fn shade(surface: Surface, sums: LightSums) -> vec3f {
         let layer = cached_layer(surface.lobe);
         if is_traced || has_own_light {
             full_specular = fit_specular;
-        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u {
+        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u || is_tabulated(surface.lobe) {
             full_specular = sampled_specular(surface);
         } else if layer >= 0 {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
         } else {
             full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
         }
-        result += composite(
+        shaded.specular = composite(
             full_specular,
             fit_specular,
             open * ambient_specular + sums.specular_shadowed,
         ) + sums.specular_near;
     }
-    return result;
+    return shaded;
+}
+
+// Whether a sample shows a catcher.
+fn catches_at(sample: vec2u) -> bool {
+    return materials[packed_surface_at(sample).material].catches != 0u;
+}
+
+// What is composed of a catcher in front of `behind`, and how much it hides of that.
+fn part_of_catcher(behind: vec3f, shaded: Shaded) -> vec4f {
+    let hidden = saturate(1.0 - luminance(shaded.lit));
+    switch composition.part {
+        case PART_PICTURE, PART_BACKGROUND: {
+            return vec4f(behind * shaded.lit, hidden);
+        }
+        case PART_SHADOW: {
+            return vec4f(shaded.shadow, hidden);
+        }
+        case PART_ALPHA: {
+            return vec4f(hidden);
+        }
+        default: {
+            return vec4f(0.0);
+        }
+    }
+}
+
+// What is composed of a surface whose matte part has the albedo `surface.diffuse_color`.
+fn part_of(surface: Surface, shaded: Shaded) -> vec3f {
+    switch composition.part {
+        case PART_ALBEDO: {
+            return surface.diffuse_color;
+        }
+        case PART_DIFFUSE, PART_LIGHTS: {
+            return shaded.diffuse;
+        }
+        case PART_SPECULAR: {
+            return shaded.specular;
+        }
+        case PART_EMISSION: {
+            return shaded.emission;
+        }
+        case PART_BACKGROUND: {
+            return vec3f(0.0);
+        }
+        case PART_SHADOW: {
+            return shaded.shadow;
+        }
+        case PART_ALPHA: {
+            return vec3f(1.0);
+        }
+        default: {
+            return shaded.emission + shaded.diffuse + shaded.specular;
+        }
+    }
+}
+
+// The same where nothing is seen but the environment.
+fn part_of_background(sample: vec2u) -> vec3f {
+    switch composition.part {
+        case PART_PICTURE, PART_BACKGROUND: {
+            return background_at(sample);
+        }
+        case PART_SHADOW: {
+            return vec3f(1.0);
+        }
+        default: {
+            return vec3f(0.0);
+        }
+    }
+}
+
+// The colour of a sample that counts: what is averaged over the samples of a smooth pixel.
+fn color_at(sample: vec2u, catches: bool) -> vec3f {
+    if catches {
+        return background_at(sample);
+    }
+    if composition.part == PART_ALBEDO {
+        return base_color_at(sample);
+    }
+    return diffuse_color_at(sample);
 }
 
 // The sums of a sample. In a pixel that shows one smooth surface, a tile that lies within the pixel needs no neighbours: they would only
@@ -119,13 +214,14 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     let side = view.supersample;
     let depth = depth_at(sample);
     let spread = select(1u, 4u, is_smooth && side > 1u);
+    let catches = depth > 0.0 && catches_at(sample);
     var mean = vec3f(0.0);
     for (var i = 0u; i < spread; i++) {
         let place = select(sample, spread_sample(corner, side, i), spread > 1u);
         if depth == 0.0 {
-            mean += background_at(place) / f32(spread);
+            mean += part_of_background(place) / f32(spread);
         } else {
-            mean += diffuse_color_at(place) / f32(spread);
+            mean += color_at(place, catches) / f32(spread);
         }
     }
     if depth == 0.0 {
@@ -142,7 +238,11 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
         let place = select(sample, corner + step * vec2u(i % steps, i / steps) + step / 2u, is_smooth);
         add_weighted(&sums, 1.0 / f32(steps * steps), sums_of(place, surface, is_smooth, own));
     }
-    return vec4f(shade(surface, sums), 1.0);
+    let shaded = shade(surface, sums);
+    if catches {
+        return part_of_catcher(mean, shaded);
+    }
+    return vec4f(part_of(surface, shaded), 1.0);
 }
 
 // Share of what a sample shows that is seen of this layer.

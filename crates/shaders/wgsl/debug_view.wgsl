@@ -1,4 +1,5 @@
 #import light_sums
+#import relief_surface
 #import equirect_texture
 #import outline_angle
 #import tonemap
@@ -64,6 +65,16 @@ fn surface_view(sample: vec2u, depth: f32) -> vec3f {
             // The only light summed, and as a probe: its visibility weighed by its form factor.
             let sums = sums_at(sample, position_world, n);
             return share_seen(sums.probed_open, sums.probed);
+        }
+        case VIEW_BUMPS: {
+            let relief = relief_at(sample);
+            return select(NOT_ASKED, grey(relief.open), relief.covers);
+        }
+        case VIEW_SCATTERED: {
+            let relief = relief_at(sample);
+            let albedo = diffuse_color_at(sample);
+            let scattered = relief.scattering.x * albedo / (1.0 - albedo * min(relief.scattering.w, 0.95));
+            return select(NOT_ASKED, scattered, relief.covers);
         }
         default: {
             return points_of(sample);

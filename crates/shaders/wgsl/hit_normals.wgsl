@@ -1,6 +1,6 @@
 #import math
 
-// The normals of a triangle's corners in 60 bits. Twin: `hit_normals.rs`.
+// The normals of a triangle's corners in the lower 60 of 64 bits. Twin: `hit_normals.rs`.
 
 // A unit vector in 20 bits, never 0; a zero vector is 0.
 fn pack_20(n: vec3f) -> u32 {
@@ -26,6 +26,6 @@ fn pack_thirds(a: vec3f, b: vec3f, c: vec3f) -> vec2u {
 
 // One of the three.
 fn unpack_third(words: vec2u, which: u32) -> vec3f {
-    let of_three = array(words.x & 0xfffffu, (words.x >> 20u) | ((words.y & 0xffu) << 12u), words.y >> 8u);
+    let of_three = array(words.x & 0xfffffu, (words.x >> 20u) | ((words.y & 0xffu) << 12u), (words.y >> 8u) & 0xfffffu);
     return unpack_20(of_three[which]);
 }

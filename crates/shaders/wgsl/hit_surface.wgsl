@@ -45,7 +45,7 @@ fn surface_of_hit(hit: RayHit, direction: vec3f) -> Surface {
     packed.emission = far_material(first.x, 3u).rgb;
     packed.specular_color = vec3f(1.0);
     packed.specular = means.z;
-    packed.roughness = means.y;
+    packed.roughness = material.roughness * means.y;
     packed.metallic = means.x;
     if rows[0].w > 0.0 {
         let texel = vec2f(dot(rows[0].xy, uv) + rows[0].z, dot(rows[1].xy, uv) + rows[1].z);

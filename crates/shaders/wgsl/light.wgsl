@@ -3,6 +3,7 @@
 #import light_shading
 #import summed_points
 #import slot:shadow
+#import slot:bumps
 
 // Sums a batch of lights with their visibility at every shading point.
 
@@ -16,6 +17,7 @@ fn light(
         return;
     }
     let surface = surface_of(point);
+    let relief = relief_at(unpack_place(points[point].sample));
 
     var sums: LightSums;
     if (batch.flags & FLAG_FIRST) == 0u {
@@ -23,28 +25,35 @@ fn light(
     }
     for (var light = batch.first_light; light < batch.end_light; light++) {
         let form_factor = light_form_factor(light, surface.position_world, surface.n);
-        if form_factor <= 0.0 {
+        if !asks_for(form_factor, relief) {
             continue;
         }
-        let visible = visibility(light, point, surface.position_world, surface.geometric_normal, surface.n);
+        var arrives = 0.0;
+        if is_shown(light) {
+            let n = asked_normal(form_factor, relief, surface);
+            arrives = visibility(light, point, surface.position_world, surface.geometric_normal, n);
+        }
+        let visible = arrives * surface_visibility(light, relief, surface);
         if lights[light].role == ROLE_PROBE {
             sums.probed += form_factor;
             sums.probed_open += form_factor * visible;
             continue;
         }
         let diffuse = lights[light].radiance * form_factor;
+        // Shadowed light alone: the ratio to unshadowed light is then what bumps hide and add.
+        let scattered = arrives * lights[light].radiance * scattered_light(light, relief, surface);
         var specular = vec3f(0.0);
         let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && lights[light].kind == KIND_DISTANT;
-        if has_lobe(surface.lobe) && !is_traced {
+        if form_factor > 0.0 && has_lobe(surface.lobe) && !is_traced {
             specular = light_specular(light, surface) * lights[light].radiance;
         }
         if lights[light].kind == KIND_DISTANT {
             sums.diffuse_unshadowed += diffuse;
-            sums.diffuse_shadowed += diffuse * visible;
+            sums.diffuse_shadowed += diffuse * visible + scattered;
             sums.specular_unshadowed += specular;
             sums.specular_shadowed += specular * visible;
         } else {
-            sums.diffuse_near += diffuse * visible;
+            sums.diffuse_near += diffuse * visible + scattered;
             sums.specular_near += specular * visible;
         }
     }

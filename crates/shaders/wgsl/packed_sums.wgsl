@@ -1,8 +1,8 @@
 #import view
 #import half_pairs
 
-// What the lights of the batches so far give one point: irradiance, and specular radiance; in memory in halves, in planes of which a scene
-// has those that it needs. The importer binds `diffuse_sums: array<vec4u>`, `specular_sums: array<u32>` and `near_sums: array<u32>`.
+// What the lights of the batches so far give one point: irradiance, and specular radiance; in memory in halves, or wide, in floats, in planes of
+// which a scene has those that it needs. The importer binds `diffuse_sums: array<vec4u>`, `specular_sums: array<u32>` and `near_sums: array<u32>`.
 
 struct LightSums {
     diffuse_unshadowed: vec3f,
@@ -45,8 +45,15 @@ fn packed_sums(sums: LightSums) -> PackedSums {
     );
 }
 
+fn sums_are_wide() -> bool {
+    return (view.flags & FLAG_WIDE_SUMS) != 0u;
+}
+
 fn load_sums(point: u32) -> LightSums {
     var sums: LightSums;
+    if sums_are_wide() {
+        return load_wide_sums(point);
+    }
     let words = diffuse_sums[point];
     let diffuse = unpack_color_pair(words.xyz);
     sums.diffuse_unshadowed = diffuse.first / view.sum_scales.x;
@@ -64,6 +71,32 @@ fn load_sums(point: u32) -> LightSums {
         let near = unpack_color_pair(vec3u(near_sums[3u * point], near_sums[3u * point + 1u], near_sums[3u * point + 2u]));
         sums.diffuse_near = near.first / view.sum_scales.z;
         sums.specular_near = near.second / view.sum_scales.z;
+    }
+    return sums;
+}
+
+fn color_from(words: vec3u) -> vec3f {
+    return bitcast<vec3f>(words);
+}
+
+// The last word of diffuse light is another's: see `shading_points.wgsl`.
+fn load_wide_sums(point: u32) -> LightSums {
+    var sums: LightSums;
+    let first = diffuse_sums[2u * point];
+    let second = diffuse_sums[2u * point + 1u];
+    sums.diffuse_unshadowed = color_from(first.xyz);
+    sums.diffuse_shadowed = color_from(vec3u(first.w, second.xy));
+    let probes = unpack2x16float(second.z);
+    sums.probed = probes.x;
+    sums.probed_open = probes.y;
+    let i = 6u * point;
+    if (view.flags & FLAG_SPECULAR_SUMS) != 0u {
+        sums.specular_unshadowed = color_from(vec3u(specular_sums[i], specular_sums[i + 1u], specular_sums[i + 2u]));
+        sums.specular_shadowed = color_from(vec3u(specular_sums[i + 3u], specular_sums[i + 4u], specular_sums[i + 5u]));
+    }
+    if (view.flags & FLAG_NEAR_SUMS) != 0u {
+        sums.diffuse_near = color_from(vec3u(near_sums[i], near_sums[i + 1u], near_sums[i + 2u]));
+        sums.specular_near = color_from(vec3u(near_sums[i + 3u], near_sums[i + 4u], near_sums[i + 5u]));
     }
     return sums;
 }

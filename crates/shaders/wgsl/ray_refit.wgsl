@@ -1,5 +1,6 @@
 #import types
 #import hit_normals
+#import edges
 
 // Brings the hierarchies of boxes to where the frame's vertices are, from the leaves up.
 
@@ -13,9 +14,6 @@
 // The first of the nodes that are all as high, and the one after the last.
 @group(GROUP_PASS) @binding(5) var<uniform> level: vec2u;
 @group(GROUP_PASS) @binding(6) var<storage, read> normals_world: array<vec4f>;
-
-// The slab test rounds: boxes a little larger than what they hold make it safe.
-const PADDING: f32 = 5e-7;
 
 fn node_of(workgroup: vec3u, groups: vec3u, local: u32) -> u32 {
     let place = level.x + (workgroup.y * groups.x + workgroup.x) * RAY_WORKGROUP + local;
@@ -43,7 +41,9 @@ fn refit_leaves(
         let vertices = ray_indices[i];
         let normals =
             pack_thirds(normals_world[vertices.x].xyz, normals_world[vertices.y].xyz, normals_world[vertices.z].xyz);
-        let beside = vec3u(vertices.w, normals);
+        // What is known of the sides stands above the last normal.
+        let sides = ray_triangles[3u * i + 2u].w & 0xf0000000u;
+        let beside = vec3u(vertices.w, normals.x, normals.y | sides);
         for (var k = 0u; k < 3u; k++) {
             let corner = positions_world[vertices[k]].xyz;
             ray_triangles[3u * i + k] = vec4u(bitcast<vec3u>(corner), beside[k]);
@@ -51,7 +51,7 @@ fn refit_leaves(
             high = max(high, corner);
         }
     }
-    let padding = PADDING * max(abs(low), abs(high));
+    let padding = BOX_PADDING * max(abs(low), abs(high));
     ray_nodes[node].low = low - padding;
     ray_nodes[node].high = high + padding;
 }

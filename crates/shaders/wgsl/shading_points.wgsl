@@ -75,9 +75,25 @@ fn put(place: u32, point: ShadingPoint) -> u32 {
     points[place] = point;
     if stage.list > 0u {
         let own = point_of_sample[number_of(unpack_place(point.sample))];
-        diffuse_sums[place] = vec4u(select(own, NO_POINT, own >= first_point()));
+        note_inherited(place, select(own, NO_POINT, own >= first_point()));
     }
     return place;
+}
+
+// The note lies where the sums will be; wide ones leave it where it is, so that light can be summed again.
+fn note_inherited(place: u32, own: u32) {
+    if sums_are_wide() {
+        diffuse_sums[2u * place + 1u].w = own;
+    } else {
+        diffuse_sums[place].x = own;
+    }
+}
+
+fn inherited(place: u32) -> u32 {
+    if sums_are_wide() {
+        return diffuse_sums[2u * place + 1u].w;
+    }
+    return diffuse_sums[place].x;
 }
 
 // The stage's points start with what the list before knows of their samples.
@@ -88,7 +104,7 @@ fn inherit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
     if place >= atomicLoad(&work[words + 3u]) {
         return;
     }
-    let own = diffuse_sums[place].x;
+    let own = inherited(place);
     let point = points[place];
     var sums: LightSums;
     if own != NO_POINT {

@@ -44,7 +44,7 @@ struct Truth {
 impl Truth {
     fn of(stage: &Stage) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
-        let background = stage.look().display.background;
+        let background = stage.look().shows_environment();
         let (surroundings, reflections) = (stage.surroundings().clone(), stage.reflects_scene());
         Ok(Self { scene, camera, surroundings, background, reflections })
     }
@@ -173,7 +173,7 @@ mod tests {
                 size: [16, 12],
             };
             let radiance = RgbImage::filled(16, 12, glam::Vec3::ONE);
-            let frame = Frame { radiance, display: Vec::new(), timings: Vec::new() };
+            let frame = Frame { radiance, alpha: Vec::new(), display: Vec::new(), timings: Vec::new() };
             Checking::start(shown, &stage, std::future::ready(Ok(frame)), &executor).unwrap()
         };
         let kept = start();

@@ -72,8 +72,8 @@ impl Key {
 /// What the task has come to.
 type Progress = Mutex<Result<Option<ReferencePicture>, ReferenceError>>;
 
-/// A reference that is being traced.
-pub(crate) struct Converging {
+/// A reference of a stage that is being traced, no device needed. [`crate::Studio::converge`] keeps one for a session.
+pub struct Converging {
     key: Key,
     tracing: Tracing,
 }
@@ -109,7 +109,11 @@ impl Drop for Passes {
 }
 
 impl Converging {
-    /// Goes on with `before` where it is still of this stage, or starts anew once its task has ended.
+    /// Goes on with `before` where it is still of this stage and size in pixels, or starts anew once its task has ended. Passes are added
+    /// where `executor` says.
+    ///
+    /// # Errors
+    /// As [`Stage::camera`].
     pub fn follow(
         before: Option<Self>,
         stage: &Stage,
@@ -120,7 +124,7 @@ impl Converging {
             scene: Arc::clone(stage.scene()),
             surroundings: stage.surroundings().clone(),
             rotation: stage.look().environment.rotation,
-            background: stage.look().display.background,
+            background: stage.look().shows_environment(),
             reflections: stage.reflects_scene(),
             camera: stage.camera()?,
             size,
@@ -140,7 +144,10 @@ impl Converging {
         Ok(Self { key, tracing })
     }
 
-    /// The picture so far.
+    /// The picture so far; `None` before its first pass.
+    ///
+    /// # Errors
+    /// [`StudioError::Reference`] for what the tracer refuses: an empty picture, a camera without a lens.
     pub fn picture(&self) -> Result<Option<ReferencePicture>, StudioError> {
         match &self.tracing {
             Tracing::Waits(_) => Ok(None),

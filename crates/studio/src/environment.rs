@@ -56,7 +56,7 @@ impl Surroundings {
     }
 
     /// Stops that bring the environment's mean to 0.5, as its file has it.
-    pub(crate) fn exposure(&self) -> f32 {
+    pub fn exposure(&self) -> f32 {
         self.exposure
     }
 
@@ -64,6 +64,14 @@ impl Surroundings {
     pub fn sky(&self) -> Sky<'_> {
         let background = self.background.as_ref().unwrap_or(&self.map);
         Sky { map: &self.map, lights: &self.lights, background }
+    }
+
+    /// What a fit takes for a scene under these.
+    fn fit_options(&self, look: &Look, scene: &FitScene) -> Result<FitOptions, StudioError> {
+        match self.is_rig {
+            true => Ok(look.fit.options(scene.ground)?),
+            false => scene.options(&look.fit),
+        }
     }
 
     /// Lights and ambient rest: a rig's own, or by a fit with these options.
@@ -121,9 +129,7 @@ impl Reader<'_> {
             Some(rig) => self.rig(Path::new(rig), look)?,
             None => self.environment(look)?.into(),
         };
-        if environment.is_graded() {
-            surroundings.grade(environment);
-        }
+        surroundings = surroundings.graded(environment);
         if let Some(background) = &environment.background_map {
             surroundings.background =
                 Some(Arc::new(self.map(Path::new(background), LoadOptions::default())?));
@@ -200,12 +206,17 @@ impl Reader<'_> {
 const BLACK: (u32, u32) = (8, 4);
 
 impl Surroundings {
-    /// Multiplies all light.
-    fn grade(&mut self, look: &EnvironmentLook) {
+    /// The same with all light multiplied as a look asks for.
+    #[must_use]
+    pub fn graded(mut self, look: &EnvironmentLook) -> Self {
+        if !look.is_graded() {
+            return self;
+        }
         let factor = look.strength * Vec3::from(look.tint);
         self.map = graded(&self.map, factor);
         self.background = self.background.as_deref().map(|map| graded(map, factor));
         self.lights = self.lights.iter().map(|light| light.times(factor)).collect();
+        self
     }
 }
 
@@ -301,17 +312,39 @@ pub(crate) fn work_out(request: LightingRequest) -> Result<LightingResult, Studi
         MapSource::Loaded(surroundings) => (surroundings, Vec::new()),
         MapSource::Unread(source) => surroundings_of(Some(&source), &look)?,
     };
-    let options = match surroundings.is_rig {
-        true => look.fit.options(scene.ground)?,
-        false => scene.options(&look.fit)?,
-    };
-    let lights = surroundings.fit_lights(&look.fit, &options)?;
+    let options = surroundings.fit_options(&look, &scene)?;
+    lit(surroundings, warnings, (&look, &scene), &options)
+}
+
+/// The lighting of a stage; `None` where it is that of the same surroundings which was worked out for `in_force`.
+pub(crate) fn work_out_unless(
+    stage: &Stage,
+    in_force: Option<&LightingKey>,
+) -> Result<Option<LightingResult>, StudioError> {
+    let (surroundings, look, scene) = (stage.surroundings(), stage.look(), stage.fit_scene());
+    let options = surroundings.fit_options(look, &scene)?;
+    // Lights of an interior are those of its pose and camera, which no key tells.
+    let is_interior = options.arrival.is_some();
+    if !is_interior && in_force == Some(&LightingKey::of(look, scene.ground, false)) {
+        return Ok(None);
+    }
+    lit(surroundings.clone(), Vec::new(), (look, &scene), &options).map(Some)
+}
+
+/// Fits and filters.
+fn lit(
+    surroundings: Surroundings,
+    warnings: Vec<String>,
+    (look, scene): (&Look, &FitScene),
+    options: &FitOptions,
+) -> Result<LightingResult, StudioError> {
+    let lights = surroundings.fit_lights(&look.fit, options)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
     let mut prepared = PreparedLighting::new(&surroundings.map, &lights, &settings)?;
     if let Some(background) = &surroundings.background {
         prepared = prepared.with_background(Equirect::clone(background));
     }
-    let lit_for = LightingKey::of(&look, scene.ground, options.arrival.is_some());
+    let lit_for = LightingKey::of(look, scene.ground, options.arrival.is_some());
     Ok(LightingResult { surroundings, lights, prepared, warnings, lit_for })
 }
 

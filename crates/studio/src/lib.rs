@@ -20,6 +20,9 @@
 
 mod check;
 mod converging;
+#[cfg(not(target_arch = "wasm32"))]
+mod dataset;
+mod edit;
 mod environment;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
@@ -29,6 +32,8 @@ mod files;
 mod frame_rate;
 mod job;
 mod look;
+mod pace;
+mod paper;
 mod pose;
 mod project;
 mod save;
@@ -37,7 +42,10 @@ mod stage;
 mod studio;
 
 pub use check::CHECKED_PIXELS;
-pub use converging::ReferencePicture;
+pub use converging::{Converging, ReferencePicture};
+#[cfg(not(target_arch = "wasm32"))]
+pub use dataset::{Dataset, DatasetFiles, DrawnItem, ItemFiles, Manifest, Record, Unit};
+pub use edit::changed_surface;
 pub use environment::{FitScene, Surroundings, environment_named, fit_lights, load_surroundings};
 pub use error::StudioError;
 #[cfg(not(target_arch = "wasm32"))]
@@ -45,12 +53,15 @@ pub use error_bound::ErrorBound;
 #[cfg(not(target_arch = "wasm32"))]
 pub use executor::Threads;
 pub use executor::{Executor, Slices, Task, default_executor};
-pub use files::SceneFiles;
+pub use files::{FileKind, SceneFiles, kind_of};
 pub use frame_rate::{DrawnFrame, FrameRate};
 pub use gnomon_metrics::SampledError;
 pub use look::{
     AnimationLook, CameraLook, ENVIRONMENT, EnvironmentLook, Look, PictureSettings, SCENE, SceneLook,
 };
+pub use pace::Pace;
+pub use paper::Paper;
+pub use pose::Clip;
 pub use project::{Project, SceneSource};
 pub use sequence::{Film, FrameFiles, Sequence, SequenceRun, Timeline};
 pub use stage::Stage;

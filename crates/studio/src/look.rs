@@ -10,7 +10,8 @@ use gnomon_options::{
     size, text,
 };
 use gnomon_renderer::{
-    DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings, TechniqueSettings,
+    Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
+    TechniqueSettings,
 };
 use gnomon_scene::{Camera, Ground, ReflectanceSettings};
 use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
@@ -133,6 +134,8 @@ settings! {
         up: UpAxis = UpAxis::Y, choice(UpAxis::choices);
         /// Length of the unit of files that do not say: OBJ, PLY and STL.
         unit: f32 = 1.0, number(1e-6, 1e6).unit("m").words(&UNITS);
+        /// Factor of the heights of materials.
+        bump_scale: f32 = 1.0, number(-1e3, 1e3);
     }
 }
 
@@ -182,6 +185,11 @@ impl Look {
     /// Whether the environment is the same but for its turn.
     pub(crate) fn has_map_of(&self, other: &Self) -> bool {
         (&self.map, self.environment.turned_as(&other.environment)) == (&other.map, other.environment.clone())
+    }
+
+    /// Whether the environment is seen behind the scene.
+    pub fn shows_environment(&self) -> bool {
+        self.display.background == Background::Environment
     }
 
     /// Whether there is something around the scene.
@@ -282,7 +290,7 @@ mod tests {
             ..EnvironmentLook::default()
         };
         let mut brought = Look { map: sky, environment: file.clone(), ..Look::default() };
-        (brought.display.exposure, brought.display.background) = (Some(2.0), false);
+        (brought.display.exposure, brought.display.background) = (Some(2.0), Background::None);
         let mut kept = brought.clone();
         kept.keep_changes(&asked, &now);
         assert_eq!(kept.environment, EnvironmentLook { rotation: 30.0, ..file });

@@ -12,8 +12,9 @@ use gnomon_scene_files::{
 };
 use serde::{Deserialize, Deserializer};
 
+use crate::environment::surroundings_of;
 use crate::look::{AnimationLook, CameraLook, EnvironmentLook, PictureSettings, SceneLook};
-use crate::{Look, SceneFiles, StudioError};
+use crate::{Look, Paper, SceneFiles, StudioError, Surroundings};
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub enum SceneSource {
     File(PathBuf),
     /// A file that a program gives, with those that it names. An environment that its look names is one of these.
     Files(SceneFiles),
+    /// None: a program made the scene. This is what it is called.
+    Made(String),
 }
 
 impl SceneSource {
@@ -57,6 +60,11 @@ impl SceneSource {
             }
             Self::File(path) => load(path, &options)?,
             Self::Files(files) => load_from(files.path(), files.resolver(), &options)?,
+            Self::Made(name) => {
+                return Err(StudioError::Request(format!(
+                    "{name} was made by a program: there is no file of it to be read with other axes or another variant"
+                )));
+            }
         })
     }
 }
@@ -64,7 +72,7 @@ impl SceneSource {
 impl std::fmt::Display for SceneSource {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Builtin(name) => f.write_str(name),
+            Self::Builtin(name) | Self::Made(name) => f.write_str(name),
             Self::File(path) => write!(f, "{}", path.display()),
             Self::Files(files) => write!(f, "{}", files.path().display()),
         }
@@ -88,6 +96,7 @@ pub struct Project {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Sections {
+    paper: Paper,
     #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
     #[serde(
@@ -117,6 +126,20 @@ struct SurfaceEntry {
 }
 
 impl Project {
+    /// A scene that a program made, to be looked at as by default.
+    pub fn made(name: &str, scene: Scene) -> Self {
+        let source = SceneSource::Made(name.to_owned());
+        Self { source, scene, look: Look::default(), brings_environment: false }
+    }
+
+    /// Reads the environment of the look; with what had to be repaired, a line each.
+    ///
+    /// # Errors
+    /// As [`crate::load_surroundings`].
+    pub fn surroundings(&self) -> Result<(Surroundings, Vec<String>), StudioError> {
+        surroundings_of(Some(&self.source), &self.look)
+    }
+
     /// Loads a scene to be looked at as `look` says. What the scene file says goes before it, option by option, and what is
     /// `given` before both; camera, animation, ground and surfaces are always the scene's own.
     ///
@@ -132,14 +155,15 @@ impl Project {
     /// As [`Project::open`].
     pub fn open_source(source: SceneSource, mut look: Look, given: &Given) -> Result<Self, StudioError> {
         let sections = match &source {
-            SceneSource::Builtin(_) => None,
+            SceneSource::Builtin(_) | SceneSource::Made(_) => None,
             SceneSource::File(path) if !path.exists() => return Err(no_scene(path)),
             SceneSource::File(path) => read_sections::<Sections>(path, &FileResolver)?,
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
-        let Sections { fit, render, display, animation, environment, surface } = sections.unwrap_or_default();
+        let Sections { paper, fit, render, display, animation, environment, surface } =
+            sections.unwrap_or_default();
         let folder = match &source {
-            SceneSource::Builtin(_) => None,
+            SceneSource::Builtin(_) | SceneSource::Made(_) => None,
             SceneSource::File(path) => path.parent(),
             SceneSource::Files(files) => files.path().parent(),
         };
@@ -147,7 +171,9 @@ impl Project {
         let environment =
             environment.map_files::<EnvironmentLook>(|file| folder.join(file).to_string_lossy().into_owned());
         (look.scene, look.animation) = Default::default();
-        [&fit, &render, &display, &animation, given].into_iter().for_each(|given| given.apply(&mut look));
+        [&paper.given(), &fit, &render, &display, &animation, given]
+            .into_iter()
+            .for_each(|given| given.apply(&mut look));
         look.camera = CameraLook::Automatic;
         look.reflectance = None;
         look.surfaces = BTreeMap::new();

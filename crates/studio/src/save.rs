@@ -7,7 +7,7 @@ use gnomon_lights::fit::FitSettings;
 use gnomon_picture::atomic;
 use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Camera, ReflectanceSettings};
-use gnomon_scene_files::EnvironmentSource;
+use gnomon_scene_files::{EnvironmentSource, plain};
 use serde::Serialize;
 use toml::{Table, Value};
 
@@ -74,14 +74,33 @@ impl Stage {
     /// [`StudioError::Request`] for a scene or an environment that no file can name; a scene file that is no longer there; files that cannot
     /// be written.
     pub fn save_scene(&self, path: &Path) -> Result<(), StudioError> {
-        let text = self.scene_file(path)?;
+        if let SceneSource::Files(files) = self.source() {
+            let path = files.path().display();
+            return Err(StudioError::Request(format!(
+                "{path} cannot be saved: a program gave its files, which no scene file can name"
+            )));
+        }
+        let text = self.written(&Place::Disk(path.parent().unwrap_or(Path::new(""))))?;
         atomic::write::<io::Error>(path, |file| file.write_all(text.as_bytes()))
             .map_err(|source| StudioError::Write { path: path.to_owned(), source })
     }
 
-    fn scene_file(&self, path: &Path) -> Result<String, StudioError> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let mut scene = self.scene_tables(folder)?;
+    /// The same as a text. Of a scene whose files a program gave it is a file beside the scene's own: it names them by their paths among
+    /// each other. Others are named from the working directory.
+    ///
+    /// # Errors
+    /// As [`Stage::save_scene`].
+    pub fn scene_file(&self) -> Result<String, StudioError> {
+        self.written(&match self.source() {
+            SceneSource::Files(files) => Place::Among(files.path().parent().unwrap_or(Path::new(""))),
+            SceneSource::Builtin(_) | SceneSource::File(_) | SceneSource::Made(_) => {
+                Place::Disk(Path::new(""))
+            }
+        })
+    }
+
+    fn written(&self, place: &Place<'_>) -> Result<String, StudioError> {
+        let mut scene = self.scene_tables(place)?;
         let look = self.look();
         // The scene's own camera is found again, and goes on moving where a clip moves it.
         let is_own = look.camera == CameraLook::Automatic && self.reloads_its_camera();
@@ -89,7 +108,7 @@ impl Stage {
         REPLACED.iter().for_each(|key| drop(scene.remove(*key)));
         scene.extend(camera.map(|camera| ("camera".to_owned(), camera)));
         let (file, builtin) = match &look.map {
-            Some(EnvironmentSource::File(file)) => (Some(relative(file, folder)?), None),
+            Some(EnvironmentSource::File(file)) => (Some(place.name(file)?), None),
             Some(EnvironmentSource::Builtin(name)) => (None, Some(name.clone())),
             None if look.environment.rig.is_some() => (None, None),
             None => {
@@ -108,7 +127,7 @@ impl Stage {
                 file,
                 builtin,
                 exposure: "automatic",
-                options: look.environment.with_files(|file| relative(Path::new(file), folder))?,
+                options: look.environment.with_files(|file| place.name(Path::new(file)))?,
             },
             fit: &look.fit,
             render: (look.paths.clone(), (look.lighting.clone(), look.techniques.clone())),
@@ -124,18 +143,27 @@ impl Stage {
         Ok(format!("# A Gnomon scene. SCENE_FORMAT.md describes every key.\n\n{tables}\n{scene}"))
     }
 
-    /// What is in the scene, for a file in `folder`.
-    fn scene_tables(&self, folder: &Path) -> Result<Table, StudioError> {
+    /// What is in the scene, for a file that lies there.
+    fn scene_tables(&self, place: &Place<'_>) -> Result<Table, StudioError> {
         let mut model = Table::new();
         match self.source() {
-            SceneSource::File(path) if is_scene_file(path) => return read_tables(path, folder),
+            SceneSource::File(path) if is_scene_file(path) => {
+                let text = std::fs::read_to_string(path)
+                    .map_err(|source| StudioError::Read { path: path.clone(), source })?;
+                return read_tables(path, &text, place);
+            }
+            SceneSource::Files(files) if is_scene_file(files.path()) => {
+                return read_tables(files.path(), &files.text(files.path())?, place);
+            }
+            SceneSource::File(path) => drop(model.insert("file".to_owned(), place.name(path)?.into())),
             SceneSource::Files(files) => {
-                let path = files.path().display();
+                drop(model.insert("file".to_owned(), place.name(files.path())?.into()));
+            }
+            SceneSource::Made(name) => {
                 return Err(StudioError::Request(format!(
-                    "{path} cannot be saved: a program gave its files, which no scene file can name"
+                    "{name} cannot be saved: a program made it, and no scene file can name it"
                 )));
             }
-            SceneSource::File(path) => drop(model.insert("file".to_owned(), relative(path, folder)?.into())),
             SceneSource::Builtin(name) => {
                 model.insert("builtin".to_owned(), name.clone().into());
                 model.insert("ground".to_owned(), true.into());
@@ -159,10 +187,8 @@ fn is_scene_file(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// The tables of a scene file, its models' paths seen from `folder`.
-fn read_tables(path: &Path, folder: &Path) -> Result<Table, StudioError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| StudioError::Read { path: path.to_owned(), source })?;
+/// The tables of a scene file, its models' paths seen from where another is to lie.
+fn read_tables(path: &Path, text: &str, place: &Place<'_>) -> Result<Table, StudioError> {
     let mut tables: Table =
         text.trim_start_matches('\u{feff}').parse().map_err(|error: toml::de::Error| {
             let words = gnomon_messages::quoted(error.message());
@@ -172,10 +198,26 @@ fn read_tables(path: &Path, folder: &Path) -> Result<Table, StudioError> {
     let models = tables.get_mut("model").and_then(Value::as_array_mut);
     for model in models.into_iter().flatten().filter_map(Value::as_table_mut) {
         if let Some(Value::String(file)) = model.get_mut("file") {
-            *file = relative(&own.join(&*file), folder)?;
+            *file = place.name(&own.join(&*file))?;
         }
     }
     Ok(tables)
+}
+
+/// The folder in which a scene file is to lie, from where it names others.
+enum Place<'a> {
+    Disk(&'a Path),
+    /// Among the files that a program gave.
+    Among(&'a Path),
+}
+
+impl Place<'_> {
+    fn name(&self, path: &Path) -> Result<String, StudioError> {
+        match self {
+            Self::Disk(folder) => relative(path, folder),
+            Self::Among(folder) => way(&plain(path), &plain(folder)),
+        }
+    }
 }
 
 /// A path as seen from a folder, with `/`; absolute where there is no way from the one to the other.
@@ -188,15 +230,21 @@ fn relative(path: &Path, folder: &Path) -> Result<String, StudioError> {
             .map_err(|source| StudioError::Read { path: path.to_owned(), source })
     };
     let (path, folder) = (absolute(path)?, absolute(folder)?);
+    let no_way = path.components().next() != folder.components().next();
+    if no_way { named(&path) } else { way(&path, &folder) }
+}
+
+/// The way from a folder to a path that begins where it does.
+fn way(path: &Path, folder: &Path) -> Result<String, StudioError> {
     let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
-    let above = || folder.components().skip(common);
-    let no_way = common == 0 || above().any(|part| !matches!(part, Component::Normal(_)));
-    let way: PathBuf = match no_way {
-        true => path,
-        false => above().map(|_| Component::ParentDir).chain(path.components().skip(common)).collect(),
-    };
-    let text = way.to_str().ok_or_else(|| {
-        StudioError::Request(format!("{} cannot be named in a scene file: it is no text", way.display()))
+    let above = folder.components().skip(common).map(|_| Component::ParentDir);
+    named(&above.chain(path.components().skip(common)).collect::<PathBuf>())
+}
+
+/// A path as scene files have it, with `/`.
+fn named(path: &Path) -> Result<String, StudioError> {
+    let text = path.to_str().ok_or_else(|| {
+        StudioError::Request(format!("{} cannot be named in a scene file: it is no text", path.display()))
     })?;
     Ok(if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() })
 }

@@ -10,7 +10,7 @@ use gnomon_scene::{Bounds, Camera, Scene, camera_around};
 
 use crate::environment::{FitScene, Surroundings, surroundings_of};
 use crate::look::{AnimationLook, CameraLook};
-use crate::pose::{pose, reach};
+use crate::pose::{Clip, clips, pose, reach};
 use crate::{Look, Project, SceneSource, StudioError};
 
 /// A scene in the pose and with the materials that its look asks for, under an environment.
@@ -92,6 +92,9 @@ impl Loaded {
                 scene
             }
         };
+        for height in scene.materials.iter_mut().filter_map(|material| material.height.as_mut()) {
+            height.scale *= look.scene.bump_scale;
+        }
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
         scene.add_ground_under(look.scene.ground, reach);
         let count = scene.materials.len();
@@ -162,6 +165,11 @@ impl Stage {
     /// The scene as it is drawn.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// The clips that the scene can play.
+    pub fn clips(&self) -> Vec<Clip> {
+        clips(&self.scene, &self.look.animation)
     }
 
     /// Whether the scene at rest stands on a ground ([`Scene::stands_on_ground`]): fits then spend few lights on what is below it.

@@ -156,6 +156,14 @@ impl Studio {
         self.stage.look()
     }
 
+    /// The same with what the program has come to where exposure and number of lights are left to it.
+    pub fn look_in_force(&self) -> Look {
+        let mut look = self.look().clone();
+        look.display.exposure = Some(self.stage.exposure());
+        look.fit.light_count = Some(self.lights.lights.len().max(1));
+        look
+    }
+
     /// The scene as it is drawn.
     pub fn scene(&self) -> &Scene {
         self.stage.scene()
@@ -176,9 +184,11 @@ impl Studio {
         &mut self.renderer
     }
 
-    /// What loaders repaired or ignored since this was asked last, a line each.
+    /// What loaders repaired or ignored since this was asked last, and what the renderer cannot draw as it is, a line each.
     pub fn take_warnings(&mut self) -> Vec<String> {
-        self.stage.take_warnings()
+        let mut warnings = self.stage.take_warnings();
+        warnings.extend(self.renderer.take_warnings());
+        warnings
     }
 
     /// Changes the look: [`Studio::set_look`] of what `change` makes of the present one.

@@ -38,7 +38,7 @@ fn stage(size: [u32; 2]) -> Stage {
 fn truth(stage: &Stage, samples_per_pixel: u32) -> (RgbImage, f64) {
     let (scene, camera) = stage.for_reference().unwrap();
     let [width, height] = stage.look().picture.size;
-    let background = stage.look().display.background;
+    let background = stage.look().shows_environment();
     let options =
         ReferenceOptions { width, height, samples_per_pixel, background, ..ReferenceOptions::default() };
     let Estimate { mean, variance, .. } = render(&scene, &camera, stage.environment(), &options).unwrap();

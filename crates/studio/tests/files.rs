@@ -103,6 +103,14 @@ fn scenes_from_memory_are_the_scenes_of_files() {
         assert_eq!(stages[0].environment().radiance(), stages[1].environment().radiance());
         let error = stages[1].save_scene(&folder.path().join("saved.toml")).unwrap_err().to_string();
         assert!(error.contains("a program gave its files"), "{error}");
+        // A text for a place beside them names them.
+        let beside = folder.path().join(name).with_file_name("beside.toml");
+        std::fs::write(&beside, stages[1].scene_file().unwrap()).unwrap();
+        let again = Stage::new(open(SceneSource::File(beside)).unwrap()).unwrap();
+        assert_eq!(again.environment().radiance(), stages[1].environment().radiance());
+        assert_eq!(again.look().fit, stages[1].look().fit);
+        let seen = |stage: &Stage| (stage.scene().triangle_count(), stage.scene().bounds());
+        assert_eq!(seen(&again), seen(&stages[1]));
     }
 }
 

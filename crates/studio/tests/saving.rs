@@ -57,7 +57,7 @@ fn changed(look: &Look) -> Look {
     look.techniques.shadow_settings.convolution.contact_samples = 3;
     look.display.exposure = Some(1.0 / 3.0);
     look.display.tone_mapping = ToneMapping::Linear;
-    look.display.background = false;
+    look.display.background = gnomon_renderer::Background::None;
     look.environment.rotation = 33.3;
     look.scene.ground = Ground::Plane;
     look.reflectance = Some("torrance-sparrow-beckmann:slope=0.31,specular=0.123".parse().unwrap());

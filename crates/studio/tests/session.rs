@@ -311,3 +311,39 @@ fn a_look_that_is_set_while_the_scene_is_held_copies_no_mesh() {
         assert!(meshes.all(|(before, after)| Arc::ptr_eq(before, after)), "{name} copies meshes");
     }
 }
+
+/// Also where lights stay, and where an interior's are worked out anew.
+#[test]
+fn another_stage_gives_the_picture_of_a_new_session() {
+    let Some(gpu) = gpu() else { return };
+    let stage = |change: &dyn Fn(&mut Project)| {
+        let mut project = project(&base());
+        change(&mut project);
+        Stage::new(project).unwrap()
+    };
+    let first = stage(&|_| {});
+    let moved = {
+        let mut project = project(&base());
+        project.scene = gnomon_scene::Scene::clone(first.scene());
+        project.scene.nodes[1].parent_from_node.translation.y += 0.3;
+        project.look.environment.rotation = 20.0;
+        Stage::under(project, first.surroundings().clone(), Vec::new()).unwrap()
+    };
+    let other_light = stage(&|project| project.look.set_environment(environment_named("sky")));
+    let other_techniques = stage(&|project| project.look.techniques.shadows = "rays".to_owned());
+    let mut studio = Studio::new(&gpu, first.clone()).unwrap();
+    for stage in [&moved, &other_light, &other_techniques, &first] {
+        studio.set_stage(stage.clone()).unwrap();
+        assert_eq!(studio.look(), stage.look());
+        let opened = picture(&mut Studio::new(&gpu, stage.clone()).unwrap());
+        assert!(picture(&mut studio) == opened);
+    }
+    let lights = std::ptr::from_ref(studio.lights());
+    studio.set_stage(moved).unwrap();
+    assert_eq!(std::ptr::from_ref(studio.lights()), lights, "the lights of the same environment stay");
+    studio.set_stage(first).unwrap();
+    let before = picture(&mut studio);
+    let refused = stage(&|project| project.look.techniques.shadow_memory = 1);
+    assert!(matches!(studio.set_stage(refused), Err(StudioError::Render(RenderError::OverBudget { .. }))));
+    assert!(picture(&mut studio) == before);
+}

@@ -6,7 +6,7 @@ pub mod command;
 mod surfaces;
 pub mod tolerances;
 
-pub use surfaces::{glossy_models, glossy_surface};
+pub use surfaces::{glossy_models, glossy_surface, tabulated_surfaces};
 
 use std::path::PathBuf;
 

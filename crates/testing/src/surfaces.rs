@@ -1,5 +1,5 @@
 use glam::Vec3;
-use gnomon_brdf::{Model, Surface};
+use gnomon_brdf::{METALS, Model, Surface};
 
 /// Models that have a glossy part.
 pub fn glossy_models() -> impl Iterator<Item = Model> {
@@ -27,4 +27,40 @@ pub fn glossy_surface(model: Model, roughness: f32) -> Surface {
         }
     }
     of(0.5 * (least + most))
+}
+
+/// Surfaces of every tabulated model that makes its tables: wide and narrow, round and elliptical, dielectrics and metals.
+pub fn tabulated_surfaces() -> Vec<Surface> {
+    let gold = METALS[3];
+    let plain = Surface { base_color: Vec3::ZERO, specular: 1.0, ..Surface::default() };
+    let metal = Surface { index: gold.index, extinction: gold.extinction, ..plain };
+    let (beckmann, gaussian) = (Model::MicrofacetBeckmann, Model::MicrofacetGaussian);
+    vec![
+        Surface { model: gaussian, slope: 0.15, index: Vec3::splat(1.5), ..plain },
+        Surface { model: gaussian, slope: 0.4, index: Vec3::splat(200.0), ..plain },
+        Surface { model: beckmann, slope: 0.1, ..metal },
+        Surface { model: beckmann, slope: 0.5, base_color: Vec3::splat(0.3), specular: 0.5, ..plain },
+        Surface { model: beckmann, slope: 0.1, aspect: 4.0, ..metal },
+        Surface { model: beckmann, slope: 0.4, aspect: 0.3, index: Vec3::splat(5.0), ..plain },
+        Surface {
+            model: Model::AnisotropicGgx,
+            roughness: 0.4,
+            anisotropy: 0.7,
+            metallic: 1.0,
+            base_color: Vec3::ONE,
+            ..plain
+        },
+        Surface {
+            model: Model::AnisotropicGgx,
+            roughness: 0.6,
+            anisotropy: 0.5,
+            anisotropy_rotation: 0.6,
+            ..plain
+        },
+        Surface { model: Model::Ward, slope: 0.15, aspect: 1.0, ..plain },
+        Surface { model: Model::Ward, slope: 0.1, aspect: 4.0, ..plain },
+        Surface { model: Model::Threads, shininess: 30.0, ..plain },
+        Surface { model: Model::CosineLobe, shininess: 40.0, ..plain },
+        Surface { model: Model::CosineLobe, shininess: 10.0, axes: Vec3::new(-1.0, -0.7, 0.8), ..plain },
+    ]
 }

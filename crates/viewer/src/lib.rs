@@ -4,12 +4,9 @@
 
 mod app;
 mod error;
-mod files;
 mod keys;
 mod notices;
-mod orbit;
 mod overlay;
-mod pace;
 mod panel;
 mod picture;
 mod player;

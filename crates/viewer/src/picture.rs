@@ -8,9 +8,7 @@ use gnomon_picture::RgbImage;
 use gnomon_picture::ldr::srgb8;
 use gnomon_picture::tonemap::tone_mapped;
 use gnomon_renderer::{PassTiming, wgpu};
-use gnomon_studio::{SampledError, Studio, StudioError};
-
-use crate::pace::Pace;
+use gnomon_studio::{Pace, SampledError, Studio, StudioError};
 
 /// How long a picture has stood still before it is checked.
 const STANDS_STILL: Duration = Duration::from_millis(500);

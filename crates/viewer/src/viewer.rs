@@ -9,15 +9,14 @@ use gnomon_options::Given;
 use gnomon_renderer::debug_view::DEBUG_VIEWS;
 use gnomon_renderer::lod::LodRange;
 use gnomon_renderer::{Gpu, RenderError};
+use gnomon_scene::Orbit;
 use gnomon_studio::{
-    AnimationLook, CameraLook, FrameRate, Look, Project, Stage, Studio, StudioError, Update,
+    AnimationLook, CameraLook, FrameRate, Look, Pace, Project, Stage, Studio, StudioError, Update,
     environment_named,
 };
 
 use crate::Options;
 use crate::notices::{Level, Notices};
-use crate::orbit::Orbit;
-use crate::pace::Pace;
 use crate::picture::{DebugChoice, Picture, Shown};
 
 mod files;

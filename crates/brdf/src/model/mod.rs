@@ -1,19 +1,28 @@
 //! The list of reflectance models, and what each of them is.
 //!
 //! A new model is a file here with a type that implements [`ReflectanceModel`], its line in [`Model`]'s list, and
-//! `brdf_NAME.wgsl` with functions of the same names. Nothing else names a model.
+//! `brdf_NAME.wgsl` with functions of the same names. Nothing else names a model. One that is tabulated says how its tables are made, and
+//! has nothing in WGSL.
 
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::{Layers, LightPatch, Lobe, Parameter, Surface};
+use crate::{Layers, LightPatch, Lobe, Parameter, Surface, Tables};
 
+pub mod anisotropic_ggx;
 pub mod blinn_phong;
+pub mod cosine_lobe;
 pub mod lambert;
+pub mod measured;
 pub mod metallic_roughness;
+pub mod microfacet_beckmann;
+pub mod microfacet_gaussian;
 pub mod phong;
 mod power_lobe;
+mod tabulated;
+pub mod threads;
 pub mod torrance_sparrow_beckmann;
 pub mod torrance_sparrow_gaussian;
+pub mod ward;
 
 /// One reflectance model whole. Directions are unit length in the tangent frame, `wi.z > 0`.
 ///
@@ -30,6 +39,8 @@ pub trait ReflectanceModel {
     const OPTIONAL: &'static [&'static Parameter];
     /// The parameter that shapes the lobe, a number: [`Lobe::shape`].
     const SHAPE: Option<&'static Parameter>;
+    /// Whether the glossy part is a sum of products of tables. Such a model has defaults of the lobe's functions.
+    const IS_TABULATED: bool = false;
     /// Whether lobe and albedo need the mesh's tangents.
     const NEEDS_TANGENT: bool = false;
     /// Whether the GGX-prefiltered environment is as right for it as its own radiance cache.
@@ -40,26 +51,42 @@ pub trait ReflectanceModel {
         surface
     }
 
+    /// Tables of the glossy part, of a tabulated model that makes them of a surface's parameters.
+    fn tables(_surface: &Surface) -> Option<Tables> {
+        None
+    }
+
     /// Value of the glossy part [1/sr], without the cosine, Fresnel's factor in it.
-    fn lobe(lobe: &Lobe, wo: Vec3, wi: Vec3) -> Vec3;
+    fn lobe(lobe: &Lobe, wo: Vec3, wi: Vec3) -> Vec3 {
+        lobe.tables.map_or(Vec3::ZERO, |tables| tables.value(lobe.tint, wo, wi))
+    }
 
     /// A direction about in proportion to the lobe times the cosine for `u` in `[0, 1)^2`; it may lie under the surface.
-    fn sample(lobe: &Lobe, wo: Vec3, u: Vec2) -> Vec3;
+    fn sample(lobe: &Lobe, wo: Vec3, u: Vec2) -> Vec3 {
+        lobe.tables.map_or(Vec3::NEG_Z, |tables| tables.sample(wo, u))
+    }
 
     /// Density of `sample` [1/sr of `wi`].
-    fn pdf(lobe: &Lobe, wo: Vec3, wi: Vec3) -> f32;
+    fn pdf(lobe: &Lobe, wo: Vec3, wi: Vec3) -> f32 {
+        lobe.tables.map_or(0.0, |tables| tables.pdf(wo, wi))
+    }
 
     /// Integral of the lobe times the cosine over an area light. Tends to the lobe times the solid angle as the light shrinks.
-    fn light_lobe(lobe: &Lobe, wo: Vec3, light: &LightPatch) -> Vec3;
+    fn light_lobe(lobe: &Lobe, wo: Vec3, light: &LightPatch) -> Vec3 {
+        lobe.tables.map_or(Vec3::ZERO, |tables| tables.light_lobe(lobe.tint, wo, light))
+    }
 
     /// Roughness of a GGX lobe about as wide (Walter et al. 2007, section 5.3).
     fn equivalent_roughness(lobe: &Lobe) -> f32 {
-        lobe.shape
+        lobe.tables.map_or(lobe.shape, Tables::roughness)
     }
 
     /// Share of uniform light that the lobe reflects, given scale and bias of [`crate::dfg`] for the equivalent roughness.
-    fn albedo(lobe: &Lobe, _n_dot_v: f32, ggx: Vec2) -> Vec3 {
-        lobe.tint.truncate() * ggx.x + lobe.tint.w * ggx.y
+    fn albedo(lobe: &Lobe, n_dot_v: f32, ggx: Vec2) -> Vec3 {
+        match lobe.tables {
+            Some(tables) => tables.albedo(lobe.tint, n_dot_v),
+            None => lobe.tint.truncate() * ggx.x + lobe.tint.w * ggx.y,
+        }
     }
 
     /// Radiance that the lobe reflects, of what the radiance cache holds: the same for the tints (1, 1, 1, 0) and (0, 0, 0, 1). `cosines`
@@ -114,6 +141,12 @@ macro_rules! models {
             pub fn needs_tangent(self) -> bool {
                 match self { $(Self::$model => $module::$model::NEEDS_TANGENT),* }
             }
+            pub fn is_tabulated(self) -> bool {
+                match self { $(Self::$model => $module::$model::IS_TABULATED),* }
+            }
+            pub(crate) fn tables(self, surface: &Surface) -> Option<Tables> {
+                match self { $(Self::$model => $module::$model::tables(surface)),* }
+            }
             pub fn is_prefiltered(self) -> bool {
                 match self { $(Self::$model => $module::$model::IS_PREFILTERED),* }
             }
@@ -159,6 +192,13 @@ models! {
     blinn_phong::BlinnPhong,
     torrance_sparrow_beckmann::TorranceSparrowBeckmann,
     torrance_sparrow_gaussian::TorranceSparrowGaussian,
+    microfacet_beckmann::MicrofacetBeckmann,
+    microfacet_gaussian::MicrofacetGaussian,
+    anisotropic_ggx::AnisotropicGgx,
+    ward::Ward,
+    threads::Threads,
+    cosine_lobe::CosineLobe,
+    measured::Measured,
 }
 
 impl Model {

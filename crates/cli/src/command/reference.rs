@@ -2,13 +2,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use gnomon::options::Given;
-use gnomon::reference::{ReferenceOptions, render};
+use gnomon::reference::{ReferenceOptions, render, render_with_alpha};
+use gnomon::renderer::Background;
 use gnomon_terminal::Terminal;
 
 use super::sequence;
 use crate::error::CliError;
 use crate::options::{InputArgs, SequenceArgs, stage};
-use crate::output;
+use crate::output::{self, Drawn};
 
 /// Ray-trace the truth on the CPU
 ///
@@ -59,7 +60,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
         width: stage.look().picture.size[0],
         height: stage.look().picture.size[1],
         samples_per_pixel: args.spp,
-        background: stage.look().display.background,
+        background: stage.look().shows_environment(),
         reflections: stage.reflects_scene(),
         seed: args.seed,
         ..ReferenceOptions::default()
@@ -71,10 +72,17 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     let progress = |share| bar.set(share);
     let (scene, camera) = stage.for_reference()?;
     let options = ReferenceOptions { progress: Some(&progress), ..options };
-    let estimate = render(&scene, &camera, stage.surroundings().sky(), &options)?;
+    let sky = stage.surroundings().sky();
+    let (estimate, alpha) = match stage.look().display.background {
+        Background::Transparent => {
+            let (estimate, alpha) = render_with_alpha(&scene, &camera, sky, &options)?;
+            (estimate, Some(alpha))
+        }
+        _ => (render(&scene, &camera, sky, &options)?, None),
+    };
     drop(bar);
     let display = (stage.exposure(), stage.look().display.tone_mapping);
-    output::write_radiance(&args.output, &estimate.mean, display)?;
+    Drawn { alpha, ..Drawn::new(estimate.mean) }.write(&args.output, display)?;
     if let Some(path) = &args.variance {
         gnomon::picture::write(path, &estimate.variance)?;
     }

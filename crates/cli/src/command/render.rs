@@ -4,7 +4,8 @@ use std::time::Instant;
 use clap::Args;
 use gnomon::picture::tonemap::ToneMapping;
 use gnomon::renderer::debug_view::DEBUG_VIEWS;
-use gnomon::renderer::{Gpu, GpuOptions, PassTiming};
+use gnomon::renderer::layers::RenderedLayers;
+use gnomon::renderer::{Background, Gpu, GpuOptions, PassTiming};
 use gnomon::studio::Studio;
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
@@ -13,8 +14,8 @@ use super::check::{self, CheckArgs};
 use super::level_of_detail::{self, LevelOfDetailArgs};
 use super::sequence;
 use crate::error::CliError;
-use crate::options::{GpuArgs, InputArgs, SequenceArgs, stage};
-use crate::output;
+use crate::options::{GpuArgs, InputArgs, LayerArgs, SequenceArgs, stage};
+use crate::output::{self, Drawn};
 
 /// Draw a scene under an environment on the GPU, soft shadows included
 ///
@@ -27,6 +28,7 @@ use crate::output;
   gnomon render bunny.ply --env grace.hdr --target-fps 30 -o bunny.png
   gnomon render bunny.ply --env grace.hdr --max-error 2% -o bunny.png
   gnomon render robot.glb --env sky --camera 'eye=3,2,4; target=0,0.5,0; fov=40' -o robot.exr
+  gnomon render robot.glb --env sky --layers depth,normal,object -o robot.exr
   gnomon render robot.glb --env sky --duration 8 --fps 25 --turntable 45 -o frames/robot_####.png
   gnomon render robot.glb --env sky --clip Dance --frames 0..99 -o dance.mp4")]
 pub struct RenderArgs {
@@ -48,6 +50,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     sequence: SequenceArgs,
+
+    #[command(flatten)]
+    layers: LayerArgs,
 
     /// Write lights, flux shares, adapter, memory, the time of every pass and the checked error as JSON
     #[arg(long, value_name = "STATS.json", conflicts_with_all = ["frames", "duration"])]
@@ -86,6 +91,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     args.check.validate()?;
     let is_sequence = args.sequence.is_given();
     output::check_pictures(&args.output, is_sequence)?;
+    let layers = args.layers.request(&args.output, is_sequence)?;
     for (path, extension) in [(&args.stats, "json"), (&args.save_scene, "toml")] {
         path.as_ref().map_or(Ok(()), |path| output::check(path, &[extension]))?;
     }
@@ -103,7 +109,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     };
     if is_sequence {
         let files = (args.output.as_path(), args.save_scene.as_deref());
-        return sequence::render(&args.sequence, &args.check, files, &gpu_options, stage, terminal);
+        let made = (&args.check, &layers);
+        return sequence::render(&args.sequence, made, files, &gpu_options, stage, terminal);
     }
     let spinner = terminal.spinner("rendering");
     let [width, height] = stage.look().picture.size;
@@ -113,15 +120,19 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         stage.set_look(first)?;
     }
     let mut studio = Studio::new(&Gpu::new(&gpu_options)?, stage)?;
+    studio.take_warnings().iter().for_each(|warning| terminal.warn(warning));
     if let Some(view) = &args.debug {
         studio.renderer().set_debug_view(view, args.debug_light)?;
     }
-    let (frame, checked) = match &bound {
-        Some(bound) => {
-            let (frame, error) = studio.frame_within(bound)?;
-            (frame, Some(error))
-        }
-        None => (studio.frame(width, height)?, None),
+    let mut checked = None;
+    let mut frame = None;
+    if let Some(bound) = &bound {
+        let (within, error) = studio.frame_within(bound)?;
+        (frame, checked) = (Some(within), Some(error));
+    }
+    let (frame, layers) = match frame {
+        Some(frame) if layers.layers.is_empty() => (frame, RenderedLayers::default()),
+        _ => studio.frame_layers(width, height, &layers)?,
     };
     let times = args.stats.as_ref().map(|_| Times::measure(&mut studio)).transpose()?;
     let is_told = args.debug.is_none() && (args.stats.is_some() || !terminal.is_quiet());
@@ -136,7 +147,8 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
         Some(_) => (0.0, ToneMapping::Linear),
         None => (stage.exposure(), stage.look().display.tone_mapping),
     };
-    output::write_radiance(&args.output, &frame.radiance, shown)?;
+    let alpha = (stage.look().display.background == Background::Transparent).then_some(frame.alpha);
+    Drawn { radiance: frame.radiance, alpha, layers }.write(&args.output, shown)?;
     if let Some(path) = &args.save_scene {
         stage.save_scene(path)?;
     }

@@ -1,11 +1,12 @@
 use std::path::Path;
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use gnomon::brdf::{Model, Parameter};
 use gnomon::options::Given;
 use gnomon::scene::{Camera, ReflectanceSettings, builtin};
 use gnomon::scene_files::{self, read_camera};
-use gnomon::studio::{CameraLook, Look, Project, Stage, environment_named};
+use gnomon::studio::{CameraLook, Look, Paper, Project, Stage, environment_named};
 use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
@@ -33,6 +34,10 @@ pub struct InputArgs {
     #[arg(long, value_name = "MODEL", long_help = reflectance_help())]
     reflectance: Option<ReflectanceSettings>,
 
+    /// Method of a paper, of which other options change parts
+    #[arg(long, value_name = "PAPER", value_parser = papers())]
+    paper: Option<String>,
+
     #[command(flatten)]
     look: LookArgs<Shown>,
 }
@@ -43,7 +48,8 @@ impl InputArgs {
     /// # Errors
     /// Files that cannot be used, names of nothing, no environment.
     pub fn project(&self, given: &Given) -> Result<Project, CliError> {
-        let given = self.look.given.with(given);
+        let paper = self.paper.as_deref().and_then(Paper::from_name).unwrap_or_default();
+        let given = paper.given().with(&self.look.given).with(given);
         let mut project = Project::open(&self.scene, Look::default(), &given)?;
         let look = &mut project.look;
         if let Some(name) = &self.env {
@@ -70,6 +76,11 @@ impl InputArgs {
         }
         Ok(project)
     }
+}
+
+fn papers() -> PossibleValuesParser {
+    let choice = |paper: &Paper| PossibleValue::new(paper.name());
+    Paper::ALL.iter().map(choice).collect::<Vec<_>>().into()
 }
 
 fn scene_help() -> String {

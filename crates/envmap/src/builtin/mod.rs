@@ -3,6 +3,7 @@
 
 mod room;
 mod sky;
+mod studio;
 
 use crate::Equirect;
 
@@ -16,8 +17,12 @@ struct Builtin {
 }
 
 /// Every built-in environment: a new one is one file here and one line.
-const BUILTINS: &[Builtin] =
-    &[Builtin { name: "room", make: room::room }, Builtin { name: "sky", make: sky::sky }];
+const BUILTINS: &[Builtin] = &[
+    Builtin { name: "room", make: room::room },
+    Builtin { name: "sky", make: sky::sky },
+    Builtin { name: "evening", make: sky::evening },
+    Builtin { name: "studio", make: studio::studio },
+];
 
 /// Names of the built-in environments.
 pub fn names() -> impl Iterator<Item = &'static str> {

@@ -8,8 +8,9 @@ use crate::Equirect;
 
 /// Haziness of the air: 2 very clear, 3 clear, 6 hazy.
 const TURBIDITY: f32 = 3.0;
-/// Height of the sun above the horizon [rad].
-const SUN_ELEVATION: f32 = 38.0 * PI / 180.0;
+/// Height of the sun above the horizon, by day and in the evening [rad].
+const DAY_ELEVATION: f32 = 38.0 * PI / 180.0;
+const EVENING_ELEVATION: f32 = 9.0 * PI / 180.0;
 /// Where the sun stands, as the equirect coordinate `u`: ahead of a camera that looks along -z, and to its right.
 const SUN_U: f32 = 0.14;
 /// Half the sun's mean apparent diameter of 0.533 degrees [rad].
@@ -23,9 +24,19 @@ const GROUND: Vec3 = Vec3::new(0.20, 0.18, 0.12);
 /// Samples along each side of a texel that the sun's edge may cross.
 const SUN_SAMPLES: u32 = 32;
 
-/// A clear sky after Preetham, Shirley and Smits 1999 with the sun as a disc of its true size, over matte ground.
+/// A clear sky by day.
 pub(super) fn sky(width: u32, height: u32) -> Equirect {
-    let model = Daylight::new();
+    clear_sky(DAY_ELEVATION, width, height)
+}
+
+/// The same sky in the evening: a low, reddish sun and long shadows.
+pub(super) fn evening(width: u32, height: u32) -> Equirect {
+    clear_sky(EVENING_ELEVATION, width, height)
+}
+
+/// A clear sky after Preetham, Shirley and Smits 1999 with the sun as a disc of its true size, over matte ground.
+fn clear_sky(sun_elevation: f32, width: u32, height: u32) -> Equirect {
+    let model = Daylight::new(sun_elevation);
     let mut map = Equirect::new(RgbImage::filled(width, height, Vec3::ZERO));
     let directions = map.clone();
     let ground = model.ground();
@@ -87,6 +98,8 @@ fn add_sun(map: Equirect, sun: Vec3, illuminance: Vec3) -> Equirect {
 /// Sky light and sun light for one position of the sun.
 struct Daylight {
     sun: Vec3,
+    /// Of the sun above the horizon [rad].
+    elevation: f32,
     /// Irradiance on a surface that faces the sun.
     sun_illuminance: Vec3,
     /// Perez's five coefficients for luminance and the chromaticities x and y, and their values at the zenith.
@@ -95,10 +108,10 @@ struct Daylight {
 }
 
 impl Daylight {
-    fn new() -> Self {
+    fn new(elevation: f32) -> Self {
         let t = TURBIDITY;
-        let sun = Equirect::direction_from_uv(Vec2::new(SUN_U, 0.5 - SUN_ELEVATION / PI));
-        let s = 0.5 * PI - SUN_ELEVATION;
+        let sun = Equirect::direction_from_uv(Vec2::new(SUN_U, 0.5 - elevation / PI));
+        let s = 0.5 * PI - elevation;
         // Preetham et al., appendix A.2.
         let perez = [
             [
@@ -138,7 +151,7 @@ impl Daylight {
             [0.15346, -0.26756, 0.06670, 0.26688],
         ]);
         // Appendix A.1: Rayleigh scattering and haze at the wavelengths of the primaries [micrometres].
-        let air_mass = 1.0 / SUN_ELEVATION.sin();
+        let air_mass = 1.0 / elevation.sin();
         let beta = 0.04608 * t - 0.04586;
         let transmittance = |wavelength: f32| {
             let depth = 0.008_735 * wavelength.powf(-4.08) + beta * wavelength.powf(-1.3);
@@ -146,7 +159,7 @@ impl Daylight {
         };
         let transmitted = Vec3::new(transmittance(0.61), transmittance(0.55), transmittance(0.465));
         let sun_illuminance = transmitted * (SOLAR_CONSTANT / UNIT);
-        Self { sun, sun_illuminance, perez, zenith: Vec3::new(luminance, x, y) }
+        Self { sun, elevation, sun_illuminance, perez, zenith: Vec3::new(luminance, x, y) }
     }
 
     /// Radiance of the sky without the sun, for a unit direction that does not point down.
@@ -161,7 +174,7 @@ impl Daylight {
             let c = &self.perez[index];
             // The fitted chromaticities turn pink in the last degrees above the horizon.
             let cos_theta = if index == 0 { cos_theta } else { cos_theta.max(0.17) };
-            self.zenith[index] * perez(c, cos_theta, gamma) / perez(c, 1.0, 0.5 * PI - SUN_ELEVATION)
+            self.zenith[index] * perez(c, cos_theta, gamma) / perez(c, 1.0, 0.5 * PI - self.elevation)
         };
         let (luminance, x, y) = (relative(0), relative(1), relative(2));
         let xyz = Vec3::new(x / y, 1.0, (1.0 - x - y) / y) * luminance.max(0.0);

@@ -1,7 +1,7 @@
 use std::rc::Rc;
 
 use gnomon_metrics::{Mask, compare};
-use gnomon_renderer::{RenderSettings, ShadowSizing, TechniqueSettings};
+use gnomon_renderer::{Background, RenderSettings, ShadowSizing, TechniqueSettings};
 
 use crate::columns::{TIME_COLUMNS, stand_ins, time_cells};
 use crate::drawn::{Drawn, time_in_turns};
@@ -162,13 +162,13 @@ fn scene_mask(
 ) -> Result<Mask, LabError> {
     let lights = lab.lights("optimized", None, view, environment)?;
     let setup = Setup { view, map: &environment.map, lights: &lights, size: [width, height] };
-    let picture = |background: bool| {
+    let picture = |background: Background| {
         let unshadowed = RenderSettings::default().with(|s| {
             s.techniques.shadows = "none".to_owned();
             s.display.background = background;
         });
         TimedRenderer::new(lab, unshadowed, setup)?.picture()
     };
-    let (before, without) = (picture(true)?, picture(false)?);
+    let (before, without) = (picture(Background::Environment)?, picture(Background::None)?);
     Ok(Mask::from_fn(width, height, |x, y| before.get(x, y) == without.get(x, y)))
 }

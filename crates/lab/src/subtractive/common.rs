@@ -198,7 +198,7 @@ fn models(lab: &Lab<'_>, view: &View, environment: &Environment, size: [u32; 2])
     let setup = Setup { view: &view, map: &environment.map, lights: &lights, size };
     let unshadowed = RenderSettings::default().with(|s| {
         s.techniques.shadows = "none".to_owned();
-        s.display.background = false;
+        s.display.background = gnomon_renderer::Background::None;
     });
     let picture = TimedRenderer::new(lab, unshadowed, setup)?.picture()?;
     Ok(Mask::from_fn(size[0], size[1], |x, y| picture.get(x, y).max_element() > 0.0))

@@ -2,6 +2,7 @@
 //! and only the wanted layer and level are decompressed.
 
 mod blocks;
+mod channels;
 mod chroma;
 mod layers;
 mod sampling;
@@ -24,6 +25,7 @@ use crate::file::{Description, EnvironmentAttribute, TexelSink};
 use crate::primaries::{Primaries, converted};
 use crate::{MAX_TEXELS, RgbImage, atomic};
 use blocks::read_rows;
+pub use channels::{Channel, Samples, encode_channels, write_channels};
 use layers::{Channels, Choice};
 
 const FORMAT: &str = "OpenEXR";

@@ -102,7 +102,7 @@ fn closed_surfaces_are_tight() {
 #[test]
 fn deformed_meshes_are_hit_where_they_are_bent_to() {
     let mut bent = soup(1.0);
-    let mesh = std::sync::Arc::make_mut(&mut bent.meshes[0]);
+    let mesh = Arc::make_mut(&mut bent.meshes[0]);
     let count = mesh.positions.len() as u32;
     mesh.positions.iter_mut().for_each(|p| *p = if p.is_finite() { *p } else { Vec3::ZERO });
     mesh.normals = (0..count).map(|i| random(i).normalize()).collect();

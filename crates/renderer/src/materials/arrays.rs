@@ -4,25 +4,90 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
-use gnomon_scene::{Texture, TextureId, Wrap};
+use gnomon_scene::{HeightMap, HeightMapId, Scene, Texture, TextureId, Wrap};
 
 use crate::Gpu;
 use crate::bindings::array_view;
+use crate::mip_chain::{half_bytes, mip_chain};
 
 /// A texture as it is uploaded: the same file may be used as colour and as data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct TextureUse {
-    pub texture: TextureId,
-    pub srgb: bool,
+pub(super) enum TextureUse {
+    /// sRGB.
+    Colors(TextureId),
+    /// Linear.
+    Data(TextureId),
+    /// Slopes of heights.
+    Slopes(HeightMapId),
+}
+
+/// A scene's textures of both kinds.
+#[derive(Clone)]
+pub(super) struct Textures {
+    pub textures: Vec<Arc<Texture>>,
+    pub height_maps: Vec<Arc<HeightMap>>,
+}
+
+/// What a layer is made of.
+#[derive(Clone)]
+enum Layer {
+    Texels(Arc<Texture>),
+    Heights(Arc<HeightMap>),
 }
 
 /// What all layers of an array have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ArrayKind {
     size: [u32; 2],
-    srgb: bool,
+    format: wgpu::TextureFormat,
     wrap: [Wrap; 2],
     nearest: bool,
+}
+
+impl Textures {
+    pub fn of(scene: &Scene) -> Self {
+        Self { textures: scene.textures.clone(), height_maps: scene.height_maps.clone() }
+    }
+
+    /// Whether these are the very same ones.
+    pub fn are_those_of(&self, scene: &Scene) -> bool {
+        same(&self.textures, &scene.textures) && same(&self.height_maps, &scene.height_maps)
+    }
+
+    /// Addressing of one.
+    pub fn wrap(&self, used: TextureUse) -> [Wrap; 2] {
+        self.kind(used).wrap
+    }
+
+    fn kind(&self, used: TextureUse) -> ArrayKind {
+        let of_texture = |texture: TextureId, format| {
+            let texture = &self.textures[texture.0];
+            let size = [texture.width, texture.height];
+            ArrayKind { size, format, wrap: texture.wrap, nearest: texture.nearest }
+        };
+        match used {
+            TextureUse::Colors(texture) => of_texture(texture, wgpu::TextureFormat::Rgba8UnormSrgb),
+            TextureUse::Data(texture) => of_texture(texture, wgpu::TextureFormat::Rgba8Unorm),
+            TextureUse::Slopes(map) => {
+                let map = &self.height_maps[map.0];
+                let format = wgpu::TextureFormat::Rgba16Float;
+                ArrayKind { size: map.size(), format, wrap: map.wrap(), nearest: false }
+            }
+        }
+    }
+
+    fn layer(&self, used: TextureUse) -> Layer {
+        match used {
+            TextureUse::Colors(texture) | TextureUse::Data(texture) => {
+                Layer::Texels(Arc::clone(&self.textures[texture.0]))
+            }
+            TextureUse::Slopes(map) => Layer::Heights(Arc::clone(&self.height_maps[map.0])),
+        }
+    }
+}
+
+fn same<T>(a: &[Arc<T>], b: &[Arc<T>]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
 }
 
 /// Where every texture is.
@@ -41,7 +106,7 @@ impl Plan {
     /// Of the textures that each material uses. Materials share sets as long as `slots` arrays are enough: draws of a set need no other
     /// bind group. Where one material alone needs more, the error says how many.
     pub fn new(
-        textures: &[Arc<Texture>],
+        textures: &Textures,
         materials: &[Vec<TextureUse>],
         max_layers: usize,
         slots: usize,
@@ -58,7 +123,7 @@ impl Plan {
             for &used in uses {
                 let array = match plan.places.get(&used) {
                     Some((array, _)) => *array,
-                    None => plan.add(&mut kinds, &textures[used.texture.0], used, max_layers),
+                    None => plan.add(&mut kinds, textures.kind(used), used, max_layers),
                 };
                 if !needed.contains(&array) {
                     needed.push(array);
@@ -89,16 +154,10 @@ impl Plan {
     fn add(
         &mut self,
         kinds: &mut Vec<ArrayKind>,
-        texture: &Texture,
+        kind: ArrayKind,
         used: TextureUse,
         max_layers: usize,
     ) -> usize {
-        let kind = ArrayKind {
-            size: [texture.width, texture.height],
-            srgb: used.srgb,
-            wrap: texture.wrap,
-            nearest: texture.nearest,
-        };
         let with_room = |(array, other): (usize, &ArrayKind)| {
             (*other == kind && self.arrays[array].len() < max_layers).then_some(array)
         };
@@ -125,21 +184,16 @@ impl Plan {
     }
 }
 
-/// Whether these are the very same textures.
-pub(super) fn same_textures(a: &[Arc<Texture>], b: &[Arc<Texture>]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
-}
-
 /// An array and the sampler of all its layers.
 #[derive(Clone)]
 pub(super) struct TextureArray {
-    layers: Vec<Arc<Texture>>,
-    srgb: bool,
+    layers: Vec<Layer>,
+    format: wgpu::TextureFormat,
     pub view: wgpu::TextureView,
     pub sampler: wgpu::Sampler,
 }
 
-fn address(wrap: Wrap) -> wgpu::AddressMode {
+pub(crate) fn address(wrap: Wrap) -> wgpu::AddressMode {
     match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
@@ -148,43 +202,65 @@ fn address(wrap: Wrap) -> wgpu::AddressMode {
 }
 
 impl TextureArray {
-    /// Of textures with the same size and sampling; `None` without any.
-    pub fn new(gpu: &Gpu, layers: Vec<Arc<Texture>>, srgb: bool) -> Option<Self> {
-        let first = layers.first()?;
-        let format = if srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
+    /// Of textures of one kind; `None` without any.
+    pub fn new(gpu: &Gpu, textures: &Textures, uses: &[TextureUse]) -> Option<Self> {
+        let kind = textures.kind(*uses.first()?);
+        let layers: Vec<Layer> = uses.iter().map(|&used| textures.layer(used)).collect();
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-        let size = [first.width, first.height, layers.len() as u32];
-        let level_count = first.width.max(first.height).ilog2() + 1;
-        let array = gpu.texture("material textures", size, level_count, format, usage);
+        let [width, height] = kind.size;
+        let level_count = width.max(height).ilog2() + 1;
+        let size = [width, height, layers.len() as u32];
+        let array = gpu.texture("material textures", size, level_count, kind.format, usage);
+        let is_srgb = kind.format == wgpu::TextureFormat::Rgba8UnormSrgb;
         for (layer, texture) in (0..).zip(&layers) {
-            for (level, texels) in (0..).zip(mip_chain(texture, srgb)) {
-                let size = [(texture.width >> level).max(1), (texture.height >> level).max(1)];
-                gpu.write_texture(&array, [level, layer], size, bytemuck::cast_slice(&texels));
+            for (level, bytes) in (0..).zip(texture.mip_levels(is_srgb)) {
+                let size = kind.size.map(|side| (side >> level).max(1));
+                gpu.write_texture(&array, [level, layer], size, &bytes);
             }
         }
-        let filter = if first.nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
+        let filter = if kind.nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("material textures"),
-            address_mode_u: address(first.wrap[0]),
-            address_mode_v: address(first.wrap[1]),
+            address_mode_u: address(kind.wrap[0]),
+            address_mode_v: address(kind.wrap[1]),
             mag_filter: filter,
             min_filter: filter,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             // Anisotropy is only valid where every filter is linear.
-            anisotropy_clamp: if first.nearest { 1 } else { 8 },
+            anisotropy_clamp: if kind.nearest { 1 } else { 8 },
             ..Default::default()
         });
-        Some(Self { view: array_view(&array), sampler, layers, srgb })
+        Some(Self { view: array_view(&array), sampler, layers, format: kind.format })
     }
 
     /// Whether it is that of these textures.
-    pub fn holds(&self, layers: &[Arc<Texture>], srgb: bool) -> bool {
-        self.srgb == srgb && same_textures(&self.layers, layers)
+    pub fn holds(&self, textures: &Textures, uses: &[TextureUse]) -> bool {
+        let is_same = |(layer, &used): (&Layer, &TextureUse)| match (layer, textures.layer(used)) {
+            (Layer::Texels(a), Layer::Texels(b)) => Arc::ptr_eq(a, &b),
+            (Layer::Heights(a), Layer::Heights(b)) => Arc::ptr_eq(a, &b),
+            _ => false,
+        };
+        let format = uses.first().map(|&used| textures.kind(used).format);
+        format == Some(self.format)
+            && self.layers.len() == uses.len()
+            && self.layers.iter().zip(uses).all(is_same)
     }
 }
 
-/// Box-filtered mip levels down to one texel, colours averaged in linear light. Odd sizes drop their last row or column.
-fn mip_chain(texture: &Texture, srgb: bool) -> Vec<Vec<[u8; 4]>> {
+impl Layer {
+    /// The bytes of all levels. Colours are averaged in linear light.
+    fn mip_levels(&self, is_srgb: bool) -> Vec<Vec<u8>> {
+        match self {
+            Self::Texels(texture) => texel_levels(texture, is_srgb),
+            Self::Heights(map) => {
+                let levels = mip_chain(slopes(map), map.size().map(|side| side as usize));
+                half_bytes(&levels).collect()
+            }
+        }
+    }
+}
+
+fn texel_levels(texture: &Texture, srgb: bool) -> Vec<Vec<u8>> {
     let decode = |texel: [u8; 4]| {
         let unit = Vec4::from(texel.map(|channel| f32::from(channel) / 255.0));
         if srgb { unit.truncate().map(gnomon_picture::tonemap::srgb_decode).extend(unit.w) } else { unit }
@@ -194,22 +270,26 @@ fn mip_chain(texture: &Texture, srgb: bool) -> Vec<Vec<[u8; 4]>> {
         let unit = if srgb { rgb.map(gnomon_picture::tonemap::srgb_encode).extend(value.w) } else { value };
         unit.to_array().map(|channel| (channel.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
     };
-    let mut levels = vec![texture.rgba8.clone()];
-    let mut fine: Vec<Vec4> = texture.rgba8.iter().map(|&texel| decode(texel)).collect();
-    let (mut width, mut height) = (texture.width as usize, texture.height as usize);
-    while width > 1 || height > 1 {
-        let (w, h) = ((width / 2).max(1), (height / 2).max(1));
-        let at = |x: usize, y: usize| fine[y.min(height - 1) * width + x.min(width - 1)];
-        let coarse: Vec<Vec4> = (0..w * h)
-            .map(|i| {
-                let (x, y) = (2 * (i % w), 2 * (i / w));
-                0.25 * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1))
-            })
-            .collect();
-        levels.push(coarse.iter().map(|&value| encode(value)).collect());
-        (fine, width, height) = (coarse, w, h);
-    }
-    levels
+    let fine = texture.rgba8.iter().map(|&texel| decode(texel)).collect();
+    let levels = mip_chain(fine, [texture.width as usize, texture.height as usize]);
+    let coarser = levels.iter().skip(1).map(|level| level.iter().flat_map(|&value| encode(value)).collect());
+    std::iter::once(texture.rgba8.as_flattened().to_vec()).chain(coarser).collect()
+}
+
+/// Slopes of a map's texels along u and v, where its whole range of heights is 1, and their squares: of a coarser level the means of both tell
+/// how the slopes spread (LEAN, Olano and Baker 2010).
+fn slopes(map: &HeightMap) -> Vec<Vec4> {
+    let range = height_range(map);
+    let [width, height] = map.size().map(i64::from);
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let slope = |(x, y)| map.texel_slope(x, y) / range;
+    places.map(slope).map(|slope| slope.extend(slope.x * slope.x).extend(slope.y * slope.y)).collect()
+}
+
+/// From the lowest height of a map to its highest, 1 where it is flat.
+pub(super) fn height_range(map: &HeightMap) -> f32 {
+    let [lowest, highest] = map.range();
+    if highest > lowest { highest - lowest } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -226,25 +306,29 @@ mod tests {
         })
     }
 
+    fn textures_of(textures: Vec<Arc<Texture>>) -> Textures {
+        Textures { textures, height_maps: Vec::new() }
+    }
+
     fn colors(ids: &[usize]) -> Vec<TextureUse> {
-        ids.iter().map(|&id| TextureUse { texture: TextureId(id), srgb: true }).collect()
+        ids.iter().map(|&id| TextureUse::Colors(TextureId(id))).collect()
     }
 
     #[test]
     fn equals_share_an_array_up_to_its_layers() {
-        let textures: Vec<_> = [4, 4, 4, 8].map(|width| texture(width, Wrap::Repeat)).into();
+        let textures = textures_of([4, 4, 4, 8].map(|width| texture(width, Wrap::Repeat)).into());
         let plan = Plan::new(&textures, &[colors(&[0, 1, 2, 3])], 2, 8).unwrap();
         assert_eq!(plan.arrays, [colors(&[0, 1]), colors(&[2]), colors(&[3])]);
-        let data = TextureUse { texture: TextureId(0), srgb: false };
+        let data = TextureUse::Data(TextureId(0));
         let plan = Plan::new(&textures, &[vec![colors(&[0])[0], data]], 2, 8).unwrap();
         assert_eq!(plan.arrays.len(), 2, "colour and data are different formats");
-        let clamped = [texture(4, Wrap::Repeat), texture(4, Wrap::ClampToEdge)];
+        let clamped = textures_of([texture(4, Wrap::Repeat), texture(4, Wrap::ClampToEdge)].into());
         assert_eq!(Plan::new(&clamped, &[colors(&[0, 1])], 2, 8).unwrap().arrays.len(), 2);
     }
 
     #[test]
     fn materials_share_sets_while_slots_last() {
-        let textures: Vec<_> = (1..=6).map(|width| texture(width, Wrap::Repeat)).collect();
+        let textures = textures_of((1..=6).map(|width| texture(width, Wrap::Repeat)).collect());
         let materials = [&[0, 1][..], &[2], &[3], &[1, 0], &[4, 5], &[2, 3], &[]].map(colors);
         let plan = Plan::new(&textures, &materials, 256, 3).unwrap();
         assert_eq!(plan.set_of, [0, 0, 1, 0, 1, 2, 0]);

@@ -31,15 +31,19 @@ pub(crate) struct FarMaterials {
 
 impl FarMaterials {
     pub fn new(gpu: &Gpu, materials: &Materials) -> Self {
-        let textures = &materials.scene_textures;
+        let textures = &materials.scene_textures.textures;
         let mut colored: Vec<TextureId> = Vec::new();
         let mut used: Vec<TextureUse> = Vec::new();
         for (number, record) in materials.now.records.iter().enumerate() {
             for (texture, reference) in materials.textures_of(number, record) {
-                if reference.kind == layout::TEXTURE_BASE_COLOR && !colored.contains(&texture.texture) {
-                    colored.push(texture.texture);
+                let is_new = !used.contains(&texture);
+                if let TextureUse::Colors(id) = texture
+                    && reference.kind == layout::TEXTURE_BASE_COLOR
+                    && !colored.contains(&id)
+                {
+                    colored.push(id);
                 }
-                if !used.contains(&texture) {
+                if is_new {
                     used.push(texture);
                 }
             }
@@ -54,7 +58,12 @@ impl FarMaterials {
         for (layer, texels) in (0..).zip(&reduced) {
             gpu.write_texture(&array, [0, layer], [side, side], bytemuck::cast_slice(texels));
         }
-        let means = used.par_iter().map(|used| (*used, mean(&textures[used.texture.0], used.srgb))).collect();
+        let mean = |used: &TextureUse| match *used {
+            TextureUse::Colors(id) => Some((*used, mean(&textures[id.0], true))),
+            TextureUse::Data(id) => Some((*used, mean(&textures[id.0], false))),
+            TextureUse::Slopes(_) => None,
+        };
+        let means = used.par_iter().filter_map(mean).collect();
         let [width, height] = table_size(materials.now.records.len());
         let texture =
             gpu.texture("far materials", [width, height, 1], 1, wgpu::TextureFormat::Rgba32Float, usage);
@@ -98,7 +107,8 @@ impl FarMaterials {
             match reference.kind {
                 layout::TEXTURE_BASE_COLOR => {
                     texels[4] = mean;
-                    if let Some(layer) = self.layers.get(&used.texture) {
+                    let TextureUse::Colors(color) = used else { continue };
+                    if let Some(layer) = self.layers.get(&color) {
                         texels[0] = reference.uv_rows[0].with_w((layer + 1) as f32);
                         let wrap = reference.wrap.x + 4 * reference.wrap.y;
                         texels[1] = reference.uv_rows[1].with_w(wrap as f32);

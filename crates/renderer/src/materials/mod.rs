@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
-use glam::{UVec2, Vec4};
-use gnomon_brdf::ROUGHNESS;
-use gnomon_scene::{AlphaMode, Material, Scene, Texture, TextureRef, Wrap};
+use glam::{Affine2, UVec2, Vec2, Vec4};
+use gnomon_brdf::{Model, ROUGHNESS, Surface};
+use gnomon_scene::{AlphaMode, Height, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
 mod far;
+pub(crate) mod tables;
 
-use arrays::{Plan, TextureArray, TextureUse, same_textures};
+pub(crate) use arrays::address;
+use arrays::{Plan, TextureArray, TextureUse, Textures, height_range};
 pub(crate) use far::FarMaterials;
+use tables::{PackedTables, TableTextures, TabulatedMaterials};
 
 use crate::bindings::{Binding, D2_ARRAY};
 use crate::{Gpu, RenderError};
@@ -27,8 +30,11 @@ pub(crate) struct Materials {
     plan: Plan,
     used: Vec<Vec<TextureUse>>,
     /// Of the scene.
-    scene_textures: Vec<Arc<Texture>>,
+    scene_textures: Textures,
     arrays: Vec<TextureArray>,
+    tabulated: TabulatedMaterials,
+    /// Reflectances that are tables.
+    pub tables: TableTextures,
     now: MaterialRecords,
     /// Whether the next frame takes over what is now.
     is_changed: bool,
@@ -38,30 +44,52 @@ pub(crate) struct Materials {
 pub(crate) struct MaterialRecords {
     records: Vec<layout::Material>,
     textures: Vec<layout::MaterialTexture>,
+    /// Where they are others than before.
+    tables: Option<(TabulatedMaterials, PackedTables)>,
 }
 
 /// The G-buffer numbers materials with 16 bits.
 const MAX_MATERIALS: usize = 1 << 16;
 
-/// A material's textures: what each is, a TEXTURE constant, and whether it is sRGB. To add a kind: its constant, a line here, and a case in
+/// How a texture lies on its meshes.
+#[derive(Clone, Copy)]
+struct Placement {
+    uv_from_mesh: Affine2,
+    set: usize,
+}
+
+/// A material's textures: what each is, a TEXTURE constant, and how it lies. To add a kind: its constant, a line here, and a case in
 /// `gbuffer.wgsl`.
-fn textures(material: &Material) -> impl Iterator<Item = (u32, bool, TextureRef)> {
-    let is_rough = material.surface.model.shape().is_some_and(|shape| shape.name == ROUGHNESS.name);
+fn textures(material: &Material) -> impl Iterator<Item = (u32, TextureUse, Placement)> {
     let metallic_roughness =
-        if is_rough { layout::TEXTURE_METALLIC_ROUGHNESS } else { layout::TEXTURE_METALLIC };
+        if is_rough(material) { layout::TEXTURE_METALLIC_ROUGHNESS } else { layout::TEXTURE_METALLIC };
+    let colors: fn(TextureId) -> TextureUse = TextureUse::Colors;
+    let data: fn(TextureId) -> TextureUse = TextureUse::Data;
     let places = [
-        (layout::TEXTURE_BASE_COLOR, true, material.base_color_texture),
-        (metallic_roughness, false, material.metallic_roughness_texture),
-        (layout::TEXTURE_NORMAL, false, material.normal_texture),
-        (layout::TEXTURE_SPECULAR, false, material.specular_texture),
-        (layout::TEXTURE_SPECULAR_COLOR, true, material.specular_color_texture),
-        (layout::TEXTURE_EMISSIVE, true, material.emissive_texture),
+        (layout::TEXTURE_BASE_COLOR, colors, material.base_color_texture),
+        (metallic_roughness, data, material.metallic_roughness_texture),
+        (layout::TEXTURE_NORMAL, data, material.normal_texture),
+        (layout::TEXTURE_SPECULAR, data, material.specular_texture),
+        (layout::TEXTURE_SPECULAR_COLOR, colors, material.specular_color_texture),
+        (layout::TEXTURE_EMISSIVE, colors, material.emissive_texture),
     ];
-    places.into_iter().filter_map(|(kind, srgb, reference)| Some((kind, srgb, reference?)))
+    let pictures = places.into_iter().filter_map(|(kind, used, reference)| {
+        let TextureRef { texture, uv_from_mesh, set } = reference?;
+        Some((kind, used(texture), Placement { uv_from_mesh, set }))
+    });
+    let heights = material.height.map(|Height { map, uv_from_mesh, set, .. }| {
+        (layout::TEXTURE_HEIGHT, TextureUse::Slopes(map), Placement { uv_from_mesh, set })
+    });
+    pictures.chain(heights)
+}
+
+/// Whether the shape of a material's lobe is a roughness.
+fn is_rough(material: &Material) -> bool {
+    material.surface.model.shape().is_some_and(|shape| shape.name == ROUGHNESS.name)
 }
 
 fn uses(material: &Material) -> Vec<TextureUse> {
-    textures(material).map(|(_, srgb, r)| TextureUse { texture: r.texture, srgb }).collect()
+    textures(material).map(|(_, used, _)| used).collect()
 }
 
 /// Layout of what draws of surfaces bind.
@@ -90,8 +118,9 @@ impl Materials {
             adapter: gpu.adapter().name.clone(),
         };
         let largest = gpu.device.limits().max_texture_dimension_2d;
-        if let Some(texture) = scene.textures.iter().find(|t| t.width.max(t.height) > largest) {
-            let side = texture.width.max(texture.height);
+        let pictures = scene.textures.iter().map(|texture| texture.width.max(texture.height));
+        let heights = scene.height_maps.iter().map(|map| map.size()[0].max(map.size()[1]));
+        if let Some(side) = pictures.chain(heights).find(|&side| side > largest) {
             return Err(over("texels along a texture's side", side.into(), largest.into()));
         }
         let default = Material::default();
@@ -100,30 +129,32 @@ impl Materials {
             return Err(over("materials", used.len() as u64, MAX_MATERIALS as u64));
         }
         let slots = layout::TEXTURE_SLOTS;
-        let plan = Plan::new(&scene.textures, &used, gpu.max_layers() as usize, slots as usize).map_err(
+        let scene_textures = Textures::of(scene);
+        let plan = Plan::new(&scene_textures, &used, gpu.max_layers() as usize, slots as usize).map_err(
             |needed| over("sizes and wrappings of one material's textures", needed as u64, slots.into()),
         )?;
 
-        let now = records(scene, &plan);
+        let tabulated =
+            TabulatedMaterials::new(scene.materials.iter(), before.map(|before| &before.tabulated));
+        let tables = TableTextures::new(gpu, &tabulated.packed(gpu)?);
+        let now = records(scene, &plan, &tabulated);
         let storage = wgpu::BufferUsages::STORAGE;
         let records = gpu.shared_buffer("materials", now.records.as_slice(), storage);
         let references = gpu.shared_buffer("material textures", now.textures.as_slice(), storage);
         let arrays: Vec<_> = plan
             .arrays
             .iter()
-            .filter_map(|layers| {
-                let srgb = layers.first()?.srgb;
-                let of_layers: Vec<_> =
-                    layers.iter().map(|layer| Arc::clone(&scene.textures[layer.texture.0])).collect();
+            .filter_map(|uses| {
                 let mut known = before.into_iter().flat_map(|before| &before.arrays);
-                let same = known.find(|array| array.holds(&of_layers, srgb)).cloned();
-                same.or_else(|| TextureArray::new(gpu, of_layers, srgb))
+                let same = known.find(|array| array.holds(&scene_textures, uses)).cloned();
+                same.or_else(|| TextureArray::new(gpu, &scene_textures, uses))
             })
             .collect();
         // For slots that a set leaves free.
         let black =
             Texture { width: 1, height: 1, rgba8: vec![[0; 4]], wrap: [Wrap::Repeat; 2], nearest: false };
-        let free = TextureArray::new(gpu, vec![Arc::new(black)], false);
+        let black = Textures { textures: vec![Arc::new(black)], height_maps: Vec::new() };
+        let free = TextureArray::new(gpu, &black, &[TextureUse::Data(TextureId(0))]);
         let bind_groups = plan.sets.iter().map(|set| {
             let mut resources = vec![(0, records.as_entire_binding()), (1, references.as_entire_binding())];
             for slot in 0..slots {
@@ -140,19 +171,27 @@ impl Materials {
             textures: references,
             plan,
             used,
-            scene_textures: scene.textures.clone(),
+            scene_textures,
             arrays,
+            tabulated,
+            tables,
             now,
             is_changed: false,
         })
     }
 
-    /// New parameters of the same materials; `None` where their number or a texture is another.
-    pub fn records_of(&self, scene: &Scene) -> Option<MaterialRecords> {
+    /// New parameters of the same materials; `None` where their number or a texture is another, or tables are of other sizes.
+    pub fn records_of(&self, gpu: &Gpu, scene: &Scene) -> Option<MaterialRecords> {
         let last = self.used.len() - 1;
         let same_uses = scene.materials.iter().map(uses).eq(self.used[..last].iter().cloned());
-        (same_uses && same_textures(&scene.textures, &self.scene_textures))
-            .then(|| records(scene, &self.plan))
+        if !same_uses || !self.scene_textures.are_those_of(scene) {
+            return None;
+        }
+        let tabulated = TabulatedMaterials::new(scene.materials.iter(), Some(&self.tabulated));
+        let packed = tabulated.packed(gpu).ok().filter(|packed| self.tables.has_room_for(packed))?;
+        let records = records(scene, &self.plan, &tabulated);
+        let tables = (!tabulated.has_those_of(&self.tabulated)).then_some((tabulated, packed));
+        Some(MaterialRecords { tables, ..records })
     }
 
     /// Takes such parameters over, for the next frame.
@@ -165,6 +204,10 @@ impl Materials {
         if std::mem::take(&mut self.is_changed) {
             gpu.write(&self.records, self.now.records.as_slice());
             gpu.write(&self.textures, self.now.textures.as_slice());
+            if let Some((tabulated, packed)) = self.now.tables.take() {
+                self.tables.write(gpu, &packed);
+                self.tabulated = tabulated;
+            }
             if let Some(far) = far {
                 far.write(gpu, self);
             }
@@ -183,35 +226,47 @@ impl Materials {
 }
 
 /// Of every material, the default one last.
-fn records(scene: &Scene, plan: &Plan) -> MaterialRecords {
+fn records(scene: &Scene, plan: &Plan, tabulated: &TabulatedMaterials) -> MaterialRecords {
+    let scene_textures = Textures::of(scene);
     let (mut records, mut references) = (Vec::new(), Vec::new());
     let default = Material::default();
     for (number, material) in scene.materials.iter().chain([&default]).enumerate() {
         let first_texture = references.len() as u32;
-        for (kind, srgb, reference) in textures(material) {
-            let used = TextureUse { texture: reference.texture, srgb };
+        for (kind, used, placement) in textures(material) {
             let Some((slot, layer)) = plan.place(number, used) else { continue };
-            let wrap = scene.textures[used.texture.0].wrap.map(wrap_code);
-            let matrix = reference.uv_from_mesh;
+            let wrap = scene_textures.wrap(used).map(wrap_code);
+            let matrix = placement.uv_from_mesh;
             let (x, y, t) = (matrix.matrix2.x_axis, matrix.matrix2.y_axis, matrix.translation);
             references.push(layout::MaterialTexture {
                 uv_rows: [Vec4::new(x.x, y.x, t.x, 0.0), Vec4::new(x.y, y.y, t.y, 0.0)],
                 wrap: UVec2::from(wrap),
-                uv_set: reference.set as u32,
+                uv_set: placement.set as u32,
                 kind,
                 slot,
                 layer,
             });
         }
         let end_texture = references.len() as u32;
-        records.push(layout::Material { first_texture, end_texture, ..record(material) });
+        let record = record(material, scene, tabulated.number(number));
+        records.push(layout::Material { first_texture, end_texture, ..record });
     }
-    MaterialRecords { records, textures: references }
+    MaterialRecords { records, textures: references, tables: None }
 }
 
-/// A material without its textures.
-fn record(material: &Material) -> layout::Material {
-    let surface = material.surface.of_its_model();
+/// A material without its textures, whose reflectance has the tables of a number.
+fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::Material {
+    let mut surface = material.surface.of_its_model();
+    if surface.model.is_tabulated() && tables.is_none() {
+        // Nothing glossy without tables, as on the CPU.
+        surface = Surface { model: Model::Lambert, ..surface }.of_its_model();
+    }
+    let height_slope = material.height.map_or(Vec2::ZERO, |height| {
+        let map = &scene.height_maps[height.map.0];
+        height.scale * height_range(map) * UVec2::from(map.size()).as_vec2()
+    });
+    // Where heights are, textures have the whole roughness.
+    let shared = material.height.is_some() && is_rough(material);
+    let shape = tables.map_or(surface.shape(), |number| number as f32);
     layout::Material {
         base_color: surface.base_color.extend(material.alpha),
         emissive: material.emissive,
@@ -226,8 +281,11 @@ fn record(material: &Material) -> layout::Material {
             AlphaMode::Blend => layout::ALPHA_BLENDS,
         },
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
+        catches: u32::from(material.catches),
         model: surface.model as u32,
-        shape: surface.shape(),
+        shape: if shared { 1.0 } else { shape },
+        roughness: if shared { shape } else { 1.0 },
+        height_slope,
         ..Default::default()
     }
 }

@@ -18,10 +18,12 @@ use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
+pub(crate) mod edges;
 mod hierarchy;
 mod hits;
 mod micromap;
 
+use edges::{EdgeParts, EdgeScene, EdgesOfMeshes, Shared, dispatch, edges_of_meshes};
 use hierarchy::Hierarchy;
 pub(crate) use hits::HitSurfaces;
 pub(crate) use micromap::Micromaps;
@@ -68,6 +70,9 @@ pub(crate) struct RayScene {
     levels: Vec<Level>,
     /// By the address of their mesh, which is kept from being used for another.
     hierarchies: HashMap<usize, (Arc<Mesh>, Arc<Hierarchy>)>,
+    /// Where a technique needs them.
+    pub edges: Option<EdgeScene>,
+    edges_of_meshes: EdgesOfMeshes,
     is_stale: bool,
 }
 
@@ -78,8 +83,8 @@ struct Level {
 }
 
 impl RayScene {
-    /// Of a geometry, with the surfaces that rays meet where their materials are given. Hierarchies that `before` has of the same meshes, by
-    /// their `Arc`, are not built again.
+    /// Of a geometry, with the surfaces that rays meet where their materials are given, and with edges where they are needed. Hierarchies that
+    /// `before` has of the same meshes, by their `Arc`, are not built again.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] for more triangles or nodes than a buffer holds.
@@ -89,10 +94,15 @@ impl RayScene {
         geometry: &Geometry,
         materials: Option<&Materials>,
         before: Option<&Self>,
+        has_edges: bool,
     ) -> Result<Self, RenderError> {
-        let placed: Vec<PlacedMesh<'_>> = geometry.placed_meshes().collect();
+        let casting = geometry.placed_meshes().enumerate().filter(|(_, place)| place.casts);
+        let (numbers, placed): (Vec<usize>, Vec<PlacedMesh<'_>>) = casting.unzip();
         let hierarchies = hierarchies(&placed, before);
         let of = |mesh: &Arc<Mesh>| &hierarchies[&address(mesh)].1;
+        let known = before.map(|before| &before.edges_of_meshes);
+        let edges_of_meshes = if has_edges { edges_of_meshes(&placed, known) } else { EdgesOfMeshes::new() };
+        let mut edge_parts = EdgeParts::default();
         let top_count = (2 * placed.len()).max(1);
         let node_count = top_count + placed.iter().map(|place| of(place.mesh).nodes.len()).sum::<usize>();
         let triangle_count: usize = placed.iter().map(|place| place.mesh.triangles.len()).sum();
@@ -115,8 +125,10 @@ impl RayScene {
         let mut instances = Vec::with_capacity(placed.len());
         let mut by_height: Vec<Vec<u32>> = Vec::new();
         let mut hits = materials.map(hits::HitTriangles::of);
-        for (number, place) in placed.iter().enumerate() {
+        let mut placed_triangles = Vec::with_capacity(placed.len());
+        for (&number, place) in numbers.iter().zip(&placed) {
             let hierarchy = of(place.mesh);
+            placed_triangles.push((hierarchy.order.as_slice(), indices.len() as u32));
             if hierarchy.nodes.is_empty() {
                 continue;
             }
@@ -158,6 +170,25 @@ impl RayScene {
             }));
         }
 
+        let edge_top = nodes.len() as u32;
+        if has_edges {
+            nodes.resize(nodes.len() + top_count, layout::RayNode::default());
+            for ((&number, place), triangles) in numbers.iter().zip(&placed).zip(placed_triangles) {
+                let of_mesh = edges_of_meshes.get(&address(place.mesh)).map(Arc::as_ref);
+                let of_mesh = of_mesh.filter(|_| place.micromaps.is_none());
+                edge_parts.push((number, place.name), of_mesh, triangles, &mut nodes);
+            }
+        }
+        let edge_nodes = [edge_top, edge_top + top_count as u32, nodes.len() as u32];
+        if nodes.len() as u64 > most_nodes {
+            return Err(RenderError::OverLimit {
+                what: "boxes around edges",
+                wanted: nodes.len() as u64,
+                limit: most_nodes,
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+
         let storage = wgpu::BufferUsages::STORAGE;
         let copied = storage | wgpu::BufferUsages::COPY_DST;
         let micromap_offset = TRIANGLE_BYTES * triangle_count as u64;
@@ -171,6 +202,7 @@ impl RayScene {
             });
         }
         let triangles = gpu.empty_buffer("ray triangles", bytes, copied);
+        gpu.write_bytes(&triangles, 0, bytemuck::cast_slice(&edge_parts.triangle_words()));
         gpu.write_bytes(&triangles, micromap_offset, bytemuck::cast_slice(&micromap_words));
         let nodes = gpu.shared_buffer("ray nodes", nodes.as_slice(), copied);
         let indices = gpu.buffer_with("ray indices", bytemuck::cast_slice(&indices), storage);
@@ -190,7 +222,22 @@ impl RayScene {
         };
         let levels = by_height.iter().map(level).collect();
         let hits = hits.map(|hits| hits.upload(gpu)).transpose()?;
-        Ok(Self { nodes, triangles, hits, instances, levels, hierarchies, is_stale: true })
+        let shared = Shared { positions_world, indices: &indices, nodes: &nodes, triangles: &triangles };
+        let edges = match has_edges {
+            true => Some(EdgeScene::new(gpu, pass, edge_parts, &shared, edge_nodes)?),
+            false => None,
+        };
+        Ok(Self {
+            nodes,
+            triangles,
+            hits,
+            instances,
+            levels,
+            hierarchies,
+            edges,
+            edges_of_meshes,
+            is_stale: true,
+        })
     }
 
     /// Vertices are elsewhere from now on.
@@ -203,56 +250,68 @@ impl RayScene {
         if !std::mem::take(&mut self.is_stale) {
             return;
         }
-        gpu.write(&self.nodes, self.upper_level(&geometry.placed_boxes).as_slice());
+        let bounds = bounds_of_instances(&geometry.placed_boxes);
+        gpu.write(&self.nodes, upper_level(&self.instances, &bounds, 0).as_slice());
         for (height, level) in self.levels.iter().enumerate() {
-            let groups = level.count.div_ceil(layout::RAY_WORKGROUP);
-            let x = groups.min(1024);
             // Each level reads what the one before it wrote.
             let mut compute = recorder.encoder.begin_compute_pass(&Default::default());
             compute.set_pipeline(if height == 0 { &pass.leaves } else { &pass.nodes });
             compute.set_bind_group(layout::GROUP_PASS, &level.group, &[]);
-            compute.dispatch_workgroups(x, groups.div_ceil(x.max(1)), 1);
+            dispatch(&mut compute, level.count);
+        }
+        if let Some(edges) = &self.edges {
+            let first = edges.counts.first_node;
+            let nodes = upper_level(&edges.instances, &bounds, first);
+            let offset = u64::from(first) * layout::size::<layout::RayNode>();
+            gpu.write_bytes(&self.nodes, offset, &layout::bytes(nodes.as_slice()));
+            edges.refit(recorder, pass);
         }
     }
+}
 
-    /// Nodes around the instances.
-    fn upper_level(&self, placed: &PlacedBoxes) -> Vec<layout::RayNode> {
-        let mut boxes: HashMap<usize, Bounds> = HashMap::new();
-        for place in &placed.boxes {
-            let Some(around) = Bounds::around(place.corners) else { continue };
-            let joined = boxes.entry(place.instance).or_insert(around);
-            *joined = Bounds { min: joined.min.min(around.min), max: joined.max.max(around.max) };
-        }
-        let (members, boxes): (Vec<u32>, Vec<Bounds>) = self
-            .instances
-            .iter()
-            .filter_map(|(instance, first)| Some((*first, *boxes.get(instance)?)))
-            .unzip();
-        let hierarchy = Hierarchy::new(&boxes, 1);
-        let node = |node: &hierarchy::Node| {
-            // Boxes of placed meshes round as vertices do.
-            let padding = 1e-6 * node.bounds.min.abs().max(node.bounds.max.abs());
-            layout::RayNode {
-                low: node.bounds.min - padding,
-                skip: node.skip,
-                high: node.bounds.max + padding,
-                members: match node.count {
-                    0 => 0,
-                    _ => {
-                        let member = hierarchy.order[node.first as usize];
-                        members[member as usize] * layout::RAY_LEAF + layout::RAY_INSTANCE
-                    }
-                },
-            }
-        };
-        let mut nodes: Vec<_> = hierarchy.nodes.iter().map(node).collect();
-        if nodes.is_empty() {
-            // A box that no ray meets.
-            let (low, high) = (glam::Vec3::MAX, glam::Vec3::MIN);
-            nodes.push(layout::RayNode { low, skip: 1, high, members: 0 });
-        }
-        nodes
+/// Around every instance that has triangles.
+fn bounds_of_instances(placed: &PlacedBoxes) -> HashMap<usize, Bounds> {
+    let mut boxes: HashMap<usize, Bounds> = HashMap::new();
+    for place in &placed.boxes {
+        let Some(around) = Bounds::around(place.corners) else { continue };
+        let joined = boxes.entry(place.instance).or_insert(around);
+        *joined = Bounds { min: joined.min.min(around.min), max: joined.max.max(around.max) };
     }
+    boxes
+}
+
+/// Nodes around instances, each with the first of its own nodes, to lie from the node `base` on.
+fn upper_level(
+    instances: &[(usize, u32)],
+    bounds: &HashMap<usize, Bounds>,
+    base: u32,
+) -> Vec<layout::RayNode> {
+    let (members, boxes): (Vec<u32>, Vec<Bounds>) =
+        instances.iter().filter_map(|(instance, first)| Some((*first, *bounds.get(instance)?))).unzip();
+    let hierarchy = Hierarchy::new(&boxes, 1);
+    let node = |node: &hierarchy::Node| {
+        // Boxes of placed meshes round as vertices do.
+        let padding = 1e-6 * node.bounds.min.abs().max(node.bounds.max.abs());
+        layout::RayNode {
+            low: node.bounds.min - padding,
+            skip: base + node.skip,
+            high: node.bounds.max + padding,
+            members: match node.count {
+                0 => 0,
+                _ => {
+                    let member = hierarchy.order[node.first as usize];
+                    members[member as usize] * layout::RAY_LEAF + layout::RAY_INSTANCE
+                }
+            },
+        }
+    };
+    let mut nodes: Vec<_> = hierarchy.nodes.iter().map(node).collect();
+    if nodes.is_empty() {
+        // A box that no ray meets.
+        let (low, high) = (glam::Vec3::MAX, glam::Vec3::MIN);
+        nodes.push(layout::RayNode { low, skip: base + 1, high, members: 0 });
+    }
+    nodes
 }
 
 fn address(mesh: &Arc<Mesh>) -> usize {

@@ -7,6 +7,7 @@ use gnomon_picture::RgbImage;
 
 use super::{Frame, Renderer};
 use crate::gpu::TextureReadBack;
+use crate::layers::{RenderedLayer, RenderedLayers};
 use crate::recorder::{FrameTimings, add_times};
 use crate::shading_points::samplings;
 use crate::{Gpu, RenderError};
@@ -64,6 +65,8 @@ pub(super) struct BandsInFlight {
     pub(super) gpu: Gpu,
     pub(super) size: [u32; 2],
     pub(super) bands: Vec<BandInFlight>,
+    /// Without pixels yet.
+    pub(super) layers: Vec<RenderedLayer>,
 }
 
 /// A band of it, on its way.
@@ -71,22 +74,32 @@ pub(super) struct BandInFlight {
     pub(super) band: Band,
     pub(super) radiance: TextureReadBack,
     pub(super) display: TextureReadBack,
+    /// Those of the picture, in order.
+    pub(super) layers: Vec<TextureReadBack>,
     pub(super) timings: FrameTimings,
 }
 
 impl BandsInFlight {
-    /// The picture, once everything is there.
-    pub(super) async fn frame(self) -> Result<Frame, RenderError> {
-        let Self { gpu, size: [width, height], bands } = self;
-        let (mut radiance, mut display, mut timings) = (Vec::new(), Vec::new(), Vec::new());
-        for BandInFlight { band, radiance: texels, display: bytes, timings: of_band } in bands {
+    /// The picture and its layers, once everything is there.
+    pub(super) async fn frame(self) -> Result<(Frame, RenderedLayers), RenderError> {
+        let Self { gpu, size: [width, height], bands, mut layers } = self;
+        let (mut radiance, mut alpha) = (Vec::new(), Vec::new());
+        let (mut display, mut timings) = (Vec::new(), Vec::new());
+        for BandInFlight { band, radiance: texels, display: bytes, layers: of_layers, timings: of_band } in
+            bands
+        {
             let texels: Vec<[f32; 4]> = pod_collect_to_vec(&texels.texels().await?);
             let bytes: Vec<[u8; 4]> = pod_collect_to_vec(&bytes.texels().await?);
             let before = ((band.kept.start - band.drawn.start) * width) as usize;
             let count = (band.kept.len() as u32 * width) as usize;
             let kept = texels.iter().skip(before).take(count);
+            alpha.extend(kept.clone().map(|texel| texel[3]));
             radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
             display.extend(bytes.into_iter().skip(before).take(count));
+            for (layer, words) in layers.iter_mut().zip(of_layers) {
+                let words: Vec<[u32; 4]> = pod_collect_to_vec(&words.texels().await?);
+                layer.extend(words.get(before..before + count).unwrap_or_default());
+            }
             add_times(&mut timings, of_band.passes().await?);
         }
         gpu.check()?;
@@ -94,9 +107,12 @@ impl BandsInFlight {
         if pixels > 0 {
             return Err(RenderError::NotFinite { pixels, adapter: gpu.adapter().name.clone() });
         }
+        for layer in &layers {
+            layer.check(&gpu.adapter().name)?;
+        }
         let radiance = RgbImage::from_texels(width, height, radiance)
             .ok_or_else(|| RenderError::Device("the picture read back has another size".to_owned()))?;
-        Ok(Frame { radiance, display, timings })
+        Ok((Frame { radiance, alpha, display, timings }, RenderedLayers { size: [width, height], layers }))
     }
 }
 
@@ -105,7 +121,9 @@ mod tests {
     use gnomon_lights::fit::{FitOptions, by_name};
     use gnomon_scene::builtin;
 
+    use super::super::layers::LayerTask;
     use super::*;
+    use crate::layers::{Layer, LayerValues};
     use crate::{GpuOptions, RenderSettings};
 
     #[test]
@@ -119,6 +137,23 @@ mod tests {
                 assert!(drawn.end == height || drawn.end == kept.end + overlap);
             }
         }
+    }
+
+    /// Number of values that are others.
+    fn layers_differ(a: &RenderedLayers, b: &RenderedLayers) -> usize {
+        let pairs = a.layers.iter().zip(&b.layers);
+        let differ = |(a, b): (&RenderedLayer, &RenderedLayer)| match (&a.values, &b.values) {
+            (LayerValues::Labels(a), LayerValues::Labels(b)) => {
+                assert_eq!(a.len(), b.len());
+                a.iter().zip(b).filter(|(a, b)| a != b).count()
+            }
+            (LayerValues::Floats(a), LayerValues::Floats(b)) => {
+                assert_eq!(a.len(), b.len());
+                a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-4).count()
+            }
+            _ => usize::MAX,
+        };
+        pairs.map(differ).sum()
     }
 
     #[test]
@@ -145,11 +180,17 @@ mod tests {
             renderer.set_lighting(&map, &lights).unwrap();
             assert_eq!(renderer.shadow_batches() > 1, memory == 1);
             let size = [64, 50];
-            let whole = renderer.render(&scene.cameras[0], size[0], size[1]).unwrap();
+            let task = |layer: Layer| LayerTask { layer, name: None, source: layer.source().unwrap() };
+            let tasks = [task(Layer::Object), task(Layer::Position)];
+            let mut drawn = |bands: &[Band]| {
+                let bands = renderer.begin_bands(&scene.cameras[0], size, bands, &tasks).unwrap();
+                gpu.wait_for(bands.frame()).unwrap()
+            };
+            let (whole, layers) = drawn(&[Band::whole(50)]);
             let mut differences = |overlap: u32| {
-                let bands = renderer.begin_bands(&scene.cameras[0], size, &cut(50, 12, overlap)).unwrap();
-                let banded = gpu.wait_for(bands.frame()).unwrap();
+                let (banded, of_bands) = drawn(&cut(50, 12, overlap));
                 assert_eq!(banded.display.len(), whole.display.len());
+                assert!(layers_differ(&layers, &of_bands) <= 4);
                 let pairs = whole.radiance.texels().iter().zip(banded.radiance.texels());
                 // Directions are rounded a little differently, which bright places of the environment show.
                 let differs = |(a, b): &(&glam::Vec3, &glam::Vec3)| {

@@ -9,6 +9,7 @@ use super::state::{EnvironmentGroups, Lit, Surroundings};
 use super::{Renderer, Target};
 use crate::RenderError;
 use crate::RenderSettings;
+use crate::bumps::{MaterialHeights, NO_BUMPS, Preparation, Relief};
 use crate::compose::ComposePass;
 use crate::geometry::{Geometry, MovedGeometry};
 use crate::gloss::Reflections;
@@ -60,6 +61,7 @@ struct Next {
     /// For lights that stay.
     groups: Option<EnvironmentGroups>,
     rays: NextRays,
+    relief: NextRelief,
     world_from_environment: Quat,
     scene: NextScene,
 }
@@ -71,6 +73,7 @@ struct NextScene {
     materials: Option<NextMaterials>,
     near_lights: Option<Vec<PlacedLight>>,
     surfaces: Option<Vec<Surface>>,
+    heights: Option<Vec<MaterialHeights>>,
 }
 
 enum NextGeometry {
@@ -83,6 +86,13 @@ enum NextRays {
     None,
     Same,
     New(Box<RayScene>),
+}
+
+/// What is prepared of heights from then on.
+enum NextRelief {
+    None,
+    Same,
+    New(Box<Relief>),
 }
 
 enum NextMaterials {
@@ -162,25 +172,42 @@ impl Renderer {
         let has_map = lighting.as_ref().or(in_force).is_some_and(|lighting| !lighting.stands_alone);
         let traces_gloss = has_map && chosen.settings.techniques.gloss.traces(surfaces, suits);
         let traces_rays = traces_gloss || technique.is_some_and(|technique| technique.traces_rays());
+        let needs_edges = technique.is_some_and(|technique| technique.needs_edges());
         let mirrors_scene = traces_gloss && chosen.settings.paths.reflections == Reflections::Scene;
         let (materials, are_new) = match &scene.materials {
             Some(NextMaterials::New { materials, .. }) => (materials.as_ref(), true),
             _ => (&self.materials, false),
         };
-        let serves = |scene: &RayScene| scene.hits.is_some() == mirrors_scene && !(mirrors_scene && are_new);
-        let ray_scene = match traces_rays && (is_new || !self.ray_scene.as_ref().is_some_and(serves)) {
+        let serves = |scene: &RayScene| {
+            let hits_serve = scene.hits.is_some() == mirrors_scene && !(mirrors_scene && are_new);
+            !is_new && hits_serve && (scene.edges.is_some() || !needs_edges)
+        };
+        let ray_scene = match traces_rays && !self.ray_scene.as_ref().is_some_and(serves) {
             true => {
                 let materials = mirrors_scene.then_some(materials);
                 let before = self.ray_scene.as_ref();
-                Some(RayScene::new(gpu, &self.passes.refit, geometry, materials, before)?)
+                Some(RayScene::new(gpu, &self.passes.refit, geometry, materials, before, needs_edges)?)
             }
             false => None,
         };
+        let heights = scene.heights.as_ref().unwrap_or(&self.heights);
+        let preparation = chosen.preparation(heights);
+        let relief = match (preparation, &self.relief) {
+            (None, _) => NextRelief::None,
+            (Some(wanted), Some(is)) if wanted == is.preparation && scene.heights.is_none() => {
+                NextRelief::Same
+            }
+            (Some(wanted), is) => {
+                NextRelief::New(Box::new(Relief::new(gpu, &self.passes.relief, heights, wanted, is.as_ref())))
+            }
+        };
+        let bumps = preparation.map_or(NO_BUMPS, Preparation::module);
         // More or fewer lights of the scene need other maps; what is bound of a scene for rays is another with it.
         let needs_maps = other_techniques
             || near_lights.len() != self.near_lights.len()
             || ray_scene.is_some()
             || is.lit.as_ref().is_some_and(|lit| lit.gloss.is_some() != traces_gloss)
+            || is.lit.as_ref().is_some_and(|lit| lit.bumps != bumps)
             || technique.map(|t| t.name()) != is.lit.as_ref().map(|lit| lit.technique.name());
         let surroundings = technique.map(|technique| Surroundings {
             chosen: &chosen,
@@ -191,6 +218,7 @@ impl Renderer {
             ray_scene: ray_scene.as_ref().or(self.ray_scene.as_ref()).filter(|_| traces_rays),
             traces_gloss,
             world_from_environment,
+            bumps,
         });
         let lighting = lighting.or_else(|| in_force.filter(|_| needs_maps).cloned());
         let lit = surroundings
@@ -208,7 +236,7 @@ impl Renderer {
             (true, None) => NextRays::Same,
             (true, Some(scene)) => NextRays::New(Box::new(scene)),
         };
-        Ok(Next { compose, cache, lit, groups, rays, world_from_environment, scene, chosen })
+        Ok(Next { compose, cache, lit, groups, rays, relief, world_from_environment, scene, chosen })
     }
 
     fn next_scene(&self, change: SceneChange<'_>) -> Result<NextScene, RenderError> {
@@ -229,8 +257,9 @@ impl Renderer {
             });
         }
         if looks_different {
+            next.heights = Some(MaterialHeights::of(scene));
             next.surfaces = Some(scene.materials.iter().map(|material| material.surface).collect());
-            next.materials = Some(match self.materials.records_of(scene) {
+            next.materials = Some(match self.materials.records_of(gpu, scene) {
                 Some(records) => NextMaterials::Changed(records),
                 None => {
                     let materials =
@@ -248,17 +277,23 @@ impl Renderer {
 
     /// Nothing here can fail: it makes nothing on the device. What lies in buffers that stay is written with the next frame.
     fn take(&mut self, next: Next) {
-        let Next { chosen, compose, cache, lit, groups, rays, world_from_environment, scene } = next;
-        let NextScene { geometry, materials, near_lights, surfaces } = scene;
+        let Next { chosen, compose, cache, lit, groups, rays, relief, world_from_environment, scene } = next;
+        let NextScene { geometry, materials, near_lights, surfaces, heights } = scene;
         let mut refit = geometry.is_some();
         match geometry {
-            Some(NextGeometry::New(geometry)) => self.geometry = *geometry,
+            Some(NextGeometry::New(geometry)) => {
+                self.geometry = *geometry;
+                self.before = None;
+            }
             Some(NextGeometry::Moved(moved)) => self.geometry.take(moved),
             None => {}
         }
         match rays {
             NextRays::None => self.ray_scene = None,
-            NextRays::New(scene) => self.ray_scene = Some(*scene),
+            NextRays::New(scene) => {
+                self.warnings.extend(scene.edges.iter().flat_map(|edges| edges.faults.iter().cloned()));
+                self.ray_scene = Some(*scene);
+            }
             NextRays::Same => {
                 if let Some(scene) = self.ray_scene.as_mut().filter(|_| refit) {
                     scene.moved();
@@ -280,6 +315,14 @@ impl Renderer {
         }
         if let Some(surfaces) = surfaces {
             self.surfaces = surfaces;
+        }
+        if let Some(heights) = heights {
+            self.heights = heights;
+        }
+        match relief {
+            NextRelief::None => self.relief = None,
+            NextRelief::New(relief) => self.relief = Some(*relief),
+            NextRelief::Same => {}
         }
         let is = &mut self.state;
         is.chosen = chosen;

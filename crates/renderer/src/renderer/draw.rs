@@ -1,20 +1,22 @@
 //! Drawing frames: whole, in bands, for a file, a benchmark or a window.
 
+use std::ops::Range;
+
 use glam::Mat4;
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_scene::Camera;
 use gnomon_shaders::layout;
 
 use super::bands::{Band, BandInFlight, BandsInFlight};
+use super::layers::LayerTask;
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
 use crate::compose::Composed;
-use crate::gbuffer::DrawnScene;
+use crate::gbuffer::GBuffer;
 use crate::gpu::TextureReadBack;
-use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
-use crate::settings::{Chosen, in_range};
+use crate::settings::{Background, Chosen, in_range};
 use crate::shading_points::{PointPlan, SumPlanes};
 use crate::view_slices::ViewSlices;
 
@@ -46,19 +48,22 @@ impl Renderer {
         height: u32,
     ) -> impl Future<Output = Result<Frame, RenderError>> + Send + use<> {
         let size = [width, height];
-        let begun = self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size)));
-        async move { begun?.frame().await }
+        let begun =
+            self.check_size(size).and_then(|()| self.begin_bands(camera, size, &self.bands(size), &[]));
+        async move { Ok(begun?.frame().await?.0) }
     }
 
-    /// Submits every band with its read-back: each is copied before the next one is drawn in its place.
+    /// Submits every band with its read-back, and that of its layers: each is copied before the next one is drawn in its place.
     pub(super) fn begin_bands(
         &mut self,
         camera: &Camera,
         size: [u32; 2],
         bands: &[Band],
+        layers: &[LayerTask],
     ) -> Result<BandsInFlight, RenderError> {
         let gpu = self.gpu.clone();
-        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new() };
+        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new(), layers: Vec::new() };
+        in_flight.layers.extend(layers.iter().map(LayerTask::empty));
         for band in bands {
             let scopes = gpu.catch_errors();
             self.judge_clocks(camera, size, band)?;
@@ -69,8 +74,9 @@ impl Renderer {
             };
             let mut read = |texture, bytes| TextureReadBack::new(&gpu, &mut encoder, texture, bytes);
             let (radiance, display) = (read(&target.output.radiance, 16), read(&target.output.display, 4));
-            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, timings });
             gpu.queue.submit([encoder.finish()]);
+            let layers = self.begin_layers(camera, size, band, layers)?;
+            in_flight.bands.push(BandInFlight { band: band.clone(), radiance, display, layers, timings });
             scopes.finish()?;
         }
         Ok(in_flight)
@@ -159,7 +165,7 @@ impl Renderer {
         self.gpu.wait()
     }
 
-    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+    pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
         let largest =
             self.gpu.device.limits().max_texture_dimension_2d / self.settings().techniques.supersample;
         in_range("picture width", width, 1..=largest)?;
@@ -181,9 +187,10 @@ impl Renderer {
         self.gpu.check()?;
         let size = [width, rows.len() as u32];
         let plan = self.point_plan(size);
-        let shown = (self.composed_side(), self.layer_count());
+        let shown = (self.composed_side(), self.layer_count(), self.relief.is_some());
         let fits = |target: &Target| {
-            target.points.plan == plan && (target.composed.side, target.gbuffer.layers.count) == shown
+            let GBuffer { layers, relief, .. } = &target.gbuffer;
+            target.points.plan == plan && (target.composed.side, layers.count, relief.is_some()) == shown
         };
         if !self.target.as_ref().is_some_and(fits) {
             self.target = Some(self.new_target(size, plan)?);
@@ -197,8 +204,7 @@ impl Renderer {
         };
         let samples = settings.techniques.supersample;
         let sample_size = size.map(|side| side * samples);
-        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.geometry.bounds());
-        let matrices = matrices.cropped(height, rows);
+        let matrices = self.matrices(camera, [width, height], rows);
         self.write_uniforms((lit, target), camera, &matrices, sample_size);
 
         let mut recorder = Recorder::new(&self.gpu, encoder, clock);
@@ -209,46 +215,28 @@ impl Renderer {
             }
         }
         recorder.end_pass("transform")?;
-        let gbuffer_group = &target.gbuffer.group;
-        let drawn =
-            DrawnScene { view_group: &self.view_group, geometry: &self.geometry, materials: &self.materials };
-        let lit_scene = |layer| LitScene {
-            geometry: &self.geometry,
-            materials: &self.materials,
-            gbuffer: gbuffer_group,
-            points: &target.points,
-            is_first_band: is_first,
-            is_first_layer: layer == 0,
-        };
-        self.passes.gbuffer.encode(&mut recorder, &target.gbuffer, drawn, |recorder, layer| {
-            recorder.end_pass("gbuffer")?;
-            for stage in &target.points.stages {
-                self.passes.points.encode(recorder, &target.points, stage, &self.view_group, gbuffer_group);
-                recorder.end_pass("points")?;
-                lit.batches.encode(recorder, &lit.light, lit_scene(layer), stage)?;
-                if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
-                    gloss.encode(recorder, gbuffer_group, &target.points, stage);
-                    recorder.end_pass("gloss")?;
+        self.passes.gbuffer.encode(
+            &mut recorder,
+            &target.gbuffer,
+            self.drawn_scene(),
+            |recorder, layer| {
+                self.light_surfaces(recorder, lit, self.lit_scene(target, (is_first, layer == 0)))?;
+                if self.debug.is_some() {
+                    return Ok(());
                 }
-            }
-            if self.debug.is_some() {
-                return Ok(());
-            }
-            if is_first && layer == 0 {
-                self.passes.cache.encode(recorder, cache, &lit.environment.cache);
-            }
-            recorder.end_pass("radiance cache")?;
-            let groups = [&lit.environment.compose, gbuffer_group];
-            compose.encode(recorder, groups, size, &target.points, layer);
-            if layer < target.gbuffer.layers.count {
-                target.composed.end_layer(recorder);
-            }
-            recorder.end_pass("compose")
-        })?;
+                if is_first && layer == 0 {
+                    self.passes.cache.encode(recorder, cache, &lit.environment.cache, &self.materials.tables);
+                }
+                recorder.end_pass("radiance cache")?;
+                let groups = [&lit.environment.compose, &target.gbuffer.group];
+                compose.encode(recorder, groups, size, (&target.points, &target.composed), layer);
+                recorder.end_pass("compose")
+            },
+        )?;
         let (mut exposure, mut tone_mapping) =
             (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
         if let Some(debug) = &self.debug {
-            let scene = lit_scene(0);
+            let scene = self.lit_scene(target, (is_first, true));
             self.encode_debug_view(&mut recorder, debug, (lit, target, scene), camera, sample_size)?;
             recorder.end_pass("debug view")?;
             (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
@@ -259,47 +247,71 @@ impl Renderer {
         Ok(recorder.finish())
     }
 
+    /// Of some rows of a picture of `width` x `height` pixels.
+    pub(super) fn matrices(
+        &self,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        rows: Range<u32>,
+    ) -> CameraMatrices {
+        let matrices = CameraMatrices::new(camera, width as f32 / height as f32, self.geometry.bounds());
+        matrices.cropped(height, rows)
+    }
+
     fn write_uniforms(
         &self,
         (lit, target): (&Lit, &Target),
         camera: &Camera,
         matrices: &CameraMatrices,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
     ) {
+        self.gpu.write(&self.view, &self.view_of((lit, target), matrices, size));
+        let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
+        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
+        self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+    }
+
+    /// The view of a picture of so many samples.
+    pub(super) fn view_of(
+        &self,
+        (lit, target): (&Lit, &Target),
+        matrices: &CameraMatrices,
+        [width, height]: [u32; 2],
+    ) -> layout::View {
         let (interleave, plan) = (target.gbuffer.interleave, &target.points.plan);
         let Chosen { settings, unshadowed, .. } = &self.state.chosen;
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
-        let view = layout::View {
+        layout::View {
             clip_from_world: matrices.clip_from_world,
             world_from_clip: matrices.world_from_clip,
             eye_world: matrices.eye_world,
             size: [width, height].into(),
-            flags: flag(settings.display.background, layout::FLAG_BACKGROUND)
+            flags: flag(settings.display.background == Background::Environment, layout::FLAG_BACKGROUND)
                 | flag(unshadowed.spherical_harmonics, layout::FLAG_SPHERICAL_HARMONICS)
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
+                | flag(plan.planes.wide, layout::FLAG_WIDE_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
-                | flag(lit.technique.traces_rays(), layout::FLAG_GRAINY_SUMS)
+                | flag(lit.technique.is_grainy(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
                 | flag(mirrors_scene(lit), layout::FLAG_MIRRORED_SCENE)
-                | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS),
+                | flag(unshadowed.samples_lobes, layout::FLAG_SAMPLED_GLOSS)
+                | flag(settings.techniques.bumps.scatter(), layout::FLAG_BUMP_SCATTER),
             supersample: plan.supersample,
             sample_extent: matrices.view_width / width as f32,
             interleave,
             point_lists: plan.lists(),
             point_list_count: plan.samplings.len() as u32,
             gloss_samples: settings.techniques.gloss_samples,
+            bumps: settings.techniques.bumps.shade().into(),
             rough_gloss_list: lit.batches.first_list() as u32,
             sum_scales: lit.sum_scales(),
             background_scale: lit.lighting.seen_scale,
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,
-        };
-        self.gpu.write(&self.view, &view);
-        let to_viewer = camera.world_from_camera.z_axis.truncate().normalize();
-        self.state.cache.write(&self.gpu, to_viewer, environment_from_world);
+        }
     }
 
     /// The sums of light that scene and lights ask for.
@@ -307,6 +319,7 @@ impl Renderer {
         SumPlanes {
             specular: self.surfaces.iter().any(|surface| !surface.is_matte()),
             near: !self.near_lights.is_empty() || self.state.lit.as_ref().is_some_and(mirrors_scene),
+            wide: self.has_wide_sums,
         }
     }
 
@@ -322,7 +335,7 @@ impl Renderer {
         if let Some(lit) = &mut self.state.lit {
             let only = self.debug.as_ref().and_then(|debug| debug.only_light(lit));
             let lights = (&lit.lighting, self.near_lights.as_slice());
-            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), only);
+            lit.batches.fit(&self.gpu, lights, (&self.geometry, slices), (only, &self.light_groups));
         }
         Ok(())
     }
@@ -358,14 +371,15 @@ impl Renderer {
         let (gpu, passes) = (&self.gpu, &self.passes);
         let layers = self.layer_count();
         let composed = Composed::new(gpu, size, self.composed_side(), layers > 0);
-        let samples = plan.supersample;
-        let gbuffer = passes.gbuffer.target(gpu, &self.materials, plan.sample_size, (samples, layers));
+        let samples = (plan.sample_size, plan.supersample);
+        let gbuffer = passes.gbuffer.target(gpu, &self.materials, samples, (layers, self.relief.is_some()));
         let opacities = &gbuffer.layers.opacity_array;
         Ok(Target {
             points: passes.points.points(gpu, plan, &composed, (layers, opacities))?,
             output: passes.resolve.output(gpu, &composed.values, size),
             gbuffer,
             composed,
+            seen: None,
         })
     }
 }

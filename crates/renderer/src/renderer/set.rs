@@ -16,6 +16,12 @@ impl Renderer {
         &self.state.chosen.settings
     }
 
+    /// What changes could not take over as it is since this was asked last, a line each: meshes whose shadows a technique cannot draw
+    /// exactly.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
     /// Takes a scene over: its triangles, materials, textures and area lights. Meshes and textures that it shares with the scene before,
     /// by their `Arc`, are not uploaded again.
     ///

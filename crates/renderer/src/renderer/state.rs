@@ -34,6 +34,8 @@ pub(super) struct Lit {
     pub technique: &'static dyn ShadowTechnique,
     pub batches: LightBatches,
     pub light: LightPass,
+    /// Module that it sums bumps with.
+    pub bumps: &'static str,
     /// Where glossy surfaces are traced.
     pub gloss: Option<GlossPass>,
     pub environment: EnvironmentGroups,
@@ -60,6 +62,8 @@ pub(super) struct Surroundings<'a> {
     /// Whether gloss does.
     pub traces_gloss: bool,
     pub world_from_environment: Quat,
+    /// Module for slot `bumps`.
+    pub bumps: &'static str,
 }
 
 impl Lit {
@@ -90,13 +94,21 @@ impl Renderer {
         surroundings: &Surroundings<'_>,
         mut lighting: Lighting,
     ) -> Result<Lit, RenderError> {
-        let &Surroundings { chosen, technique, near_lights, world_from_environment, .. } = surroundings;
+        let &Surroundings { chosen, technique, near_lights, world_from_environment, bumps, .. } =
+            surroundings;
         let ray_scene = surroundings.ray_scene.filter(|_| technique.traces_rays());
         lighting.turn(world_from_environment);
         let (gpu, passes) = (&self.gpu, &self.passes);
         let settings = &chosen.settings.techniques;
-        let context =
-            BatchContext { gpu, shared: &passes.shared, technique, settings, view: &self.view, ray_scene };
+        let context = BatchContext {
+            gpu,
+            shared: &passes.shared,
+            technique,
+            settings,
+            view: &self.view,
+            ray_scene,
+            bumps,
+        };
         let batches =
             LightBatches::new(&context, &lighting, near_lights, (self.room_for_points(), self.slice_count))?;
         let mut groups = vec![
@@ -105,14 +117,14 @@ impl Renderer {
             (layout::GROUP_PASS, &passes.points.light_layout),
         ];
         groups.extend(batches.shadow_layout().map(|shadow| (layout::GROUP_SHADOW, shadow)));
-        let light = LightPass::new(gpu, technique.module(&settings.shadow_settings), &groups)?;
+        let light = LightPass::new(gpu, [technique.module(&settings.shadow_settings), bumps], &groups)?;
         let layouts = [&passes.gbuffer.read_layout, &passes.points.light_layout];
         let gloss = surroundings.ray_scene.filter(|_| surroundings.traces_gloss);
         let gloss =
             gloss.map(|scene| GlossPass::new(gpu, &self.view, &lighting, scene, layouts)).transpose()?;
         let environment = self.environment_groups(surroundings, &lighting);
         let mut lit =
-            Lit { lighting, technique, batches, light, gloss, environment, debug_groups: Vec::new() };
+            Lit { lighting, technique, batches, light, bumps, gloss, environment, debug_groups: Vec::new() };
         if let Some(debug) = &self.debug {
             lit.debug_groups = debug.groups(gpu, &self.view, &lit);
             lit.batches.sum_only(gpu, debug.only_light(&lit));
@@ -145,6 +157,7 @@ impl Renderer {
             ray_scene: self.ray_scene.as_ref(),
             traces_gloss: lit.gloss.is_some(),
             world_from_environment: self.world_from_environment,
+            bumps: lit.bumps,
         };
         self.lit(&surroundings, lit.lighting.clone()).map(Some)
     }

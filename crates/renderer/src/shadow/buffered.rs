@@ -14,6 +14,11 @@ use crate::{Gpu, RenderError};
 pub(super) struct Buffered(&'static dyn ShadowTechnique);
 
 impl Buffered {
+    /// A technique that has no other way.
+    pub const fn new(technique: &'static dyn ShadowTechnique) -> Self {
+        Self(technique)
+    }
+
     /// All of `techniques`.
     pub const fn all<const N: usize>(techniques: [&'static dyn ShadowTechnique; N]) -> [Self; N] {
         let mut buffered = [Self(techniques[0]); N];
@@ -59,6 +64,18 @@ impl ShadowTechnique for Buffered {
         self.0.traces_rays()
     }
 
+    fn is_grainy(&self) -> bool {
+        self.0.is_grainy()
+    }
+
+    fn needs_edges(&self) -> bool {
+        self.0.needs_edges()
+    }
+
+    fn fills_buffer(&self) -> bool {
+        true
+    }
+
     fn draws_grounds(&self) -> bool {
         self.0.draws_grounds()
     }
@@ -88,7 +105,8 @@ impl ShadowTechnique for Buffered {
                 (4, Binding::Uniform),
             ],
         );
-        let module = gpu.shader("visibility", &[("shadow", self.0.module(context.settings))])?;
+        let module = gpu
+            .shader("visibility", &[("shadow", self.0.module(context.settings)), ("bumps", context.bumps)])?;
         let shared = context.shared;
         let groups = [
             (layout::GROUP_FRAME, &shared.frame),
@@ -102,15 +120,16 @@ impl ShadowTechnique for Buffered {
 }
 
 /// One byte for every pair of a light of a batch and a shading point, as `shadow_buffered.wgsl` reads them.
-struct VisibilityBuffer {
-    point_count: wgpu::Buffer,
-    entries: wgpu::Buffer,
-    layout: wgpu::BindGroupLayout,
-    bind_group: wgpu::BindGroup,
+pub(super) struct VisibilityBuffer {
+    pub point_count: wgpu::Buffer,
+    pub entries: wgpu::Buffer,
+    /// Layout of the bind group, and the bind group, for `shadow_buffered`.
+    pub layout: wgpu::BindGroupLayout,
+    pub bind_group: wgpu::BindGroup,
 }
 
 impl VisibilityBuffer {
-    fn new(context: &ShadowContext<'_>) -> Self {
+    pub fn new(context: &ShadowContext<'_>) -> Self {
         let (gpu, size) = (context.gpu, context.size);
         let bytes = u64::from(size.lights.next_multiple_of(4)) * size.points;
         let point_count = [size.points as u32, 0, 0, 0];

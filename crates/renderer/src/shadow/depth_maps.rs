@@ -135,6 +135,11 @@ impl ShadowMapPass {
         })
     }
 
+    /// Layout of that bind group.
+    pub fn lights_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
     /// Bind group of the lights of one batch, a buffer of [`layout::Light`].
     pub fn lights_group(&self, gpu: &Gpu, lights: &wgpu::Buffer) -> wgpu::BindGroup {
         gpu.bind_group("shadow map", &self.layout, &[(0, lights.as_entire_binding())])

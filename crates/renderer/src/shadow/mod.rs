@@ -10,12 +10,17 @@ pub(crate) mod depth_maps;
 mod downsample;
 mod hard;
 mod hard_linear;
+mod min_max;
 mod moments;
 mod none;
 mod pcf;
 mod pcss;
 mod rays;
+mod silhouettes;
+mod stencil;
 pub(crate) mod technique;
+mod wedges;
+mod windows;
 
 use buffered::Buffered;
 use gnomon_options::{Choice, choices, settings};
@@ -30,6 +35,8 @@ pub use moments::MomentSettings;
 pub use pcf::PcfSettings;
 pub use pcss::PcssSettings;
 pub use rays::RaySettings;
+pub use wedges::WedgeSettings;
+pub use windows::WindowSettings;
 
 settings! {
     /// Parameters of all techniques.
@@ -48,6 +55,10 @@ settings! {
         moments: MomentSettings;
         /// Shadow rays.
         rays: RaySettings;
+        /// Penumbra wedges.
+        wedges: WedgeSettings;
+        /// Backprojection and bitmask soft shadows.
+        windows: WindowSettings;
     }
 }
 
@@ -62,14 +73,18 @@ choices! {
 }
 
 /// Every technique.
-const TECHNIQUES: [&dyn ShadowTechnique; 8] = [
+const TECHNIQUES: [&dyn ShadowTechnique; 12] = [
     &convolution::Convolution,
     &pcss::PCSS,
     &moments::Moments,
+    &windows::BACKPROJECTION,
+    &windows::BITMASK,
     &pcf::PCF,
     &hard::HARD,
     &hard_linear::HARD_LINEAR,
     &rays::Rays,
+    &wedges::WEDGES,
+    &stencil::Stencil,
     &none::None,
 ];
 
@@ -112,8 +127,8 @@ pub(crate) fn by_name(name: &str, path: VisibilityPath) -> Result<Techniques, Re
                 choices: choices().iter().map(|choice| choice.name).collect::<Vec<_>>().join(", "),
             })?;
         Ok(match path {
-            VisibilityPath::Inline => inline,
-            VisibilityPath::Buffered => buffered,
+            VisibilityPath::Buffered if !inline.fills_buffer() => buffered,
+            _ => inline,
         })
     };
     let [usual, interior] = if name == AUTO.0 { ["pcss", "rays"] } else { [name, name] };

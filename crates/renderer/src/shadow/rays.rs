@@ -46,6 +46,10 @@ impl ShadowTechnique for Rays {
         true
     }
 
+    fn is_grainy(&self) -> bool {
+        true
+    }
+
     fn memory(&self, _: &ShadowSettings, _resolution: u32) -> ShadowMemory {
         ShadowMemory::default()
     }

@@ -8,6 +8,7 @@ use gnomon_shaders::layout;
 use super::ShadowSettings;
 use super::depth_maps::{DepthMaps, MapDepth, ShadowMapPass};
 use crate::casters::DrawnCasters;
+use crate::gbuffer::GBuffer;
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::ray_scene::RayScene;
@@ -41,6 +42,18 @@ pub(crate) trait ShadowTechnique: Sync {
     }
     /// Whether it needs [`ShadowContext::rays`].
     fn traces_rays(&self) -> bool {
+        false
+    }
+    /// Whether neighbouring points are given shares that differ by chance.
+    fn is_grainy(&self) -> bool {
+        false
+    }
+    /// Whether it needs the edges between the triangles that rays are traced through ([`RayScene::edges`]).
+    fn needs_edges(&self) -> bool {
+        false
+    }
+    /// Whether it always fills a buffer.
+    fn fills_buffer(&self) -> bool {
         false
     }
     /// Whether grounds cast shadows of lights of which they block nothing, too.
@@ -109,6 +122,8 @@ pub(crate) struct ShadowContext<'a> {
     pub size: BatchSize,
     /// Where the technique traces rays.
     pub rays: Option<RayTargets<'a>>,
+    /// Module for slot `bumps`.
+    pub bumps: &'static str,
 }
 
 /// What rays are traced through, and to.
@@ -133,6 +148,8 @@ pub(crate) struct SharedPasses {
     pub shadow_map: ShadowMapPass,
     /// Layouts of bind groups 0 (`frame.wgsl`) and 1 (`gbuffer_surface.wgsl`) of passes over shading points.
     pub frame: wgpu::BindGroupLayout,
+    /// Of the view alone, where it is drawn.
+    pub view: wgpu::BindGroupLayout,
     pub gbuffer: wgpu::BindGroupLayout,
 }
 
@@ -147,6 +164,9 @@ pub(crate) struct FrameInputs<'a> {
     pub frame: &'a wgpu::BindGroup,
     /// Bind group 1: what the camera sees.
     pub gbuffer: &'a wgpu::BindGroup,
+    /// The same as images, and bind group 0 of passes that draw what the camera may see.
+    pub seen: &'a GBuffer,
+    pub view: &'a wgpu::BindGroup,
     /// Where these lights are summed.
     pub points: &'a ShadingPoints,
     /// Those of them that are lit now.

@@ -1,18 +1,29 @@
 //! The reflectance models, every one of the list.
 
+use std::sync::LazyLock;
+
 use glam::{Vec2, Vec3, Vec4};
-use gnomon_brdf::{Frame, LightPatch, Lobe, Model};
-use gnomon_testing::glossy_surface;
+use gnomon_brdf::{Frame, LightPatch, Lobe, Model, Surface, Tables};
 use gnomon_testing::tolerances::SHADER_TWIN;
+use gnomon_testing::{glossy_surface, tabulated_surfaces};
 
 use super::{compare, scalar, unit_vector};
 
-/// Every model with lobes from narrow to wide, and two different tints.
-fn lobes() -> impl Iterator<Item = Lobe> {
+/// Of the tabulated surfaces of the tests, by their numbers.
+pub(super) static TABLES: LazyLock<Vec<Tables>> =
+    LazyLock::new(|| tabulated_surfaces().iter().filter_map(Surface::tables).collect());
+
+/// Every model with lobes from narrow to wide, and two different tints. Of tabulated ones the shape is the number of the tables.
+fn lobes() -> impl Iterator<Item = Lobe<'static>> {
     let tint = Vec4::new(0.8, 0.5, 0.1, 0.9);
-    Model::ALL.iter().flat_map(move |&model| {
+    let analytic = Model::ALL.iter().filter(|model| !model.is_tabulated()).flat_map(move |&model| {
         [0.283, 0.5, 0.95].map(|roughness| Lobe { tint, ..glossy_surface(model, roughness).layers().lobe })
-    })
+    });
+    let tabulated =
+        tabulated_surfaces().into_iter().zip(&*TABLES).enumerate().map(move |(number, (surface, tables))| {
+            Lobe { tint, shape: number as f32, tables: Some(tables), ..surface.layers().lobe }
+        });
+    analytic.chain(tabulated)
 }
 
 fn wgsl(lobe: &Lobe) -> String {

@@ -360,7 +360,7 @@ fn a_surface_hides_light_below_it_from_its_own_shading_normals() {
         let settings = RenderSettings::default().with(|s| {
             s.techniques.shadows = shadows.to_owned();
             s.techniques.compositing = "additive".to_owned();
-            s.display.background = false;
+            s.display.background = gnomon_renderer::Background::None;
         });
         let set = one_disk(towards, 5_f32.to_radians());
         render(&gpu, settings, &scene, &no_light(), &set, &camera, [8, 8]).radiance.get(4, 4).x

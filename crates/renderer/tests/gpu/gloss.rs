@@ -23,7 +23,7 @@ fn settings(gloss: GlossPath) -> RenderSettings {
     RenderSettings::default().with(|s| {
         s.techniques.gloss = gloss;
         s.paths.reflections = Reflections::Off;
-        s.display.background = false;
+        s.display.background = gnomon_renderer::Background::None;
     })
 }
 

@@ -229,7 +229,7 @@ fn lamps_add_to_the_environment_under_every_rule() {
     for rule in composite::COMPOSITINGS {
         let settings = settings("hard").with(|s| {
             s.techniques.compositing = rule.name.to_owned();
-            s.display.background = false;
+            s.display.background = gnomon_renderer::Background::None;
             // Where lights are summed depends on what they give: all samples are lit.
             s.techniques.supersample = 2;
             s.techniques.shadow_sampling = 1;

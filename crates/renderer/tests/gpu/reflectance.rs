@@ -54,7 +54,7 @@ fn settings() -> RenderSettings {
         s.techniques.shadows = "none".to_owned();
         s.lighting.ambient = "unshadowed".to_owned();
         s.techniques.compositing = "additive".to_owned();
-        s.display.background = false;
+        s.display.background = gnomon_renderer::Background::None;
         s.techniques.supersample = 4;
     })
 }

@@ -43,7 +43,7 @@ fn error(gpu: &Gpu, surface: Surface, unshadowed: &str, projection: Projection) 
         s.techniques.unshadowed = unshadowed.to_owned();
         s.techniques.supersample = 1;
         s.techniques.shadow_sampling = 1;
-        s.display.background = false;
+        s.display.background = gnomon_renderer::Background::None;
     });
     let set = LightSet::new("none", Vec::new(), map.clone());
     let frame = render(gpu, settings, &scene, &map, &set, &camera, [SIDE, SIDE]);

@@ -40,7 +40,8 @@ pub fn read(
 
 /// The two sets of coordinates that a material's textures take; those beyond them are left out.
 fn coordinate_sets(entry: &MaterialEntry) -> CoordinateSets {
-    let used: Vec<usize> = entry.texture_infos().map(TextureInfo::set).collect();
+    let height = entry.height().and_then(Result::ok).map(|height| height.texture.set());
+    let used: Vec<usize> = entry.texture_infos().map(TextureInfo::set).chain(height).collect();
     let mut sets = DEFAULT_SETS;
     for set in &used {
         if !sets.contains(set)
@@ -111,6 +112,16 @@ fn material(
     if let Some(gloss) = &entry.extensions.specular_glossiness {
         specular_glossiness::convert(gloss, &mut material, textures, (sets, &label), budget, scene)?;
     }
+    match entry.height() {
+        None => {}
+        Some(Ok(height)) if height.scale.is_finite() => {
+            material.height = textures.height(&height, (sets, &label), budget, scene)?;
+        }
+        Some(Ok(_)) => {
+            scene.warnings.push(format!("{label}: heights whose scale is not finite are left out"))
+        }
+        Some(Err(reason)) => scene.warnings.push(format!("{label}: heights are left out: {reason}")),
+    }
     Ok(material)
 }
 
@@ -156,6 +167,7 @@ fn unlit(lit: Material) -> Material {
         base_color_texture: lit.base_color_texture.filter(|_| lit.alpha_mode != AlphaMode::Opaque),
         metallic_roughness_texture: None,
         normal_texture: None,
+        height: None,
         specular_texture: None,
         specular_color_texture: None,
         ..lit

@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use glam::{Affine2, Vec2};
 use gnomon_picture::tonemap::srgb_decode;
-use gnomon_scene::{Scene, Texture, TextureId, TextureRef, Wrap};
+use gnomon_scene::{Height, HeightMapId, Scene, Texture, TextureId, TextureRef, Wrap};
 
 use super::buffers::Buffers;
 use super::materials::CoordinateSets;
-use super::schema::{Int, Root, TextureInfo};
+use super::schema::{HeightEntry, Int, Root, TextureEntry, TextureInfo};
 use super::{Budget, Fault, Source, get, uri};
-use crate::SceneFileError;
 use crate::texture::{self, Texels};
+use crate::{SceneFileError, heights};
 
 /// The textures of a file, each read when a material first uses it.
 pub struct Textures<'a> {
@@ -44,29 +44,40 @@ impl<'a> Textures<'a> {
     ) -> Result<Option<TextureRef>, Fault> {
         let Some(info) = info else { return Ok(None) };
         let Some(texture) = self.texture(info.index.0, referrer, budget, scene)? else { return Ok(None) };
-        let Some(set) = sets.iter().position(|set| *set == info.set()) else {
-            let set = info.set();
-            scene.warnings.push(format!(
-                "{referrer}: a texture on coordinate set {set} is left out: a material has two sets at most"
-            ));
+        let placed = placement(info, (sets, referrer), scene);
+        Ok(placed.map(|(uv_from_mesh, set)| TextureRef { texture, uv_from_mesh, set }))
+    }
+
+    /// Heights as a material uses them.
+    pub fn height(
+        &mut self,
+        entry: &HeightEntry,
+        (sets, referrer): (CoordinateSets, &str),
+        budget: &mut Budget,
+        scene: &mut Scene,
+    ) -> Result<Option<Height>, Fault> {
+        let texture = get(&self.root.textures, entry.texture.index.0, "texture", referrer)?;
+        let (wrap, _) = self.sampling(texture, referrer)?;
+        let Some(Int(image)) = texture.source else {
+            scene.warnings.push(format!("{referrer}: heights are left out: their texture has no picture"));
             return Ok(None);
         };
-        let mut uv_from_mesh = Affine2::IDENTITY;
-        if let Some(transform) = &info.extensions.transform {
-            let scale = transform.scale.map_or(Vec2::ONE, Vec2::from_array);
-            // Counter-clockwise as the picture is seen, with v pointing down: the negative angle in (u, v).
-            let affine = Affine2::from_scale_angle_translation(
-                scale,
-                -transform.rotation,
-                Vec2::from_array(transform.offset),
-            );
-            if affine.is_finite() {
-                uv_from_mesh = affine;
-            } else {
-                scene.warnings.push(format!("{referrer}: a texture transform that is not finite is ignored"));
+        get(&self.root.images, image, "image", referrer)?;
+        let mut told = Vec::new();
+        let map =
+            self.image(image, budget, |bytes, budget| heights::decode(bytes, wrap, budget, |w| told.push(w)));
+        scene.warnings.extend(told.into_iter().map(|warning| format!("{referrer}: {warning}")));
+        let map = match map {
+            Ok(map) => map,
+            Err(reason) => {
+                scene.warnings.push(format!("{referrer}: heights are left out: {reason}"));
+                return Ok(None);
             }
-        }
-        Ok(Some(TextureRef { texture, uv_from_mesh, set }))
+        };
+        let placed = placement(&entry.texture, (sets, referrer), scene);
+        scene.height_maps.push(Arc::new(map));
+        let map = HeightMapId(scene.height_maps.len() - 1);
+        Ok(placed.map(|(uv_from_mesh, set)| Height { map, uv_from_mesh, set, scale: entry.scale }))
     }
 
     fn texture(
@@ -81,12 +92,7 @@ impl<'a> Textures<'a> {
         }
         let texture = get(&self.root.textures, index, "texture", referrer)?;
         let name = format!("texture {index}");
-        let (mut wrap, mut nearest) = ([Wrap::Repeat; 2], false);
-        if let Some(Int(sampler)) = texture.sampler {
-            let sampler = get(&self.root.samplers, sampler, "sampler", &name)?;
-            wrap = [wrap_mode(sampler.wrap_s), wrap_mode(sampler.wrap_t)];
-            nearest = sampler.mag_filter == Some(Int(9728));
-        }
+        let (wrap, nearest) = self.sampling(texture, &name)?;
         let webp = texture.extensions.webp.as_ref().and_then(|webp| webp.source);
         let mut found = None;
         let mut reasons = Vec::new();
@@ -123,8 +129,31 @@ impl<'a> Textures<'a> {
         Ok(found)
     }
 
+    /// How a texture is addressed, and whether it is not filtered.
+    fn sampling(&self, texture: &TextureEntry, name: &str) -> Result<([Wrap; 2], bool), Fault> {
+        let Some(Int(sampler)) = texture.sampler else { return Ok(([Wrap::Repeat; 2], false)) };
+        let sampler = get(&self.root.samplers, sampler, "sampler", name)?;
+        let wrap = [wrap_mode(sampler.wrap_s), wrap_mode(sampler.wrap_t)];
+        Ok((wrap, sampler.mag_filter == Some(Int(9728))))
+    }
+
     /// A picture, or why there is none.
     fn picture(&self, index: usize, may_be_webp: bool, budget: &mut Budget) -> Result<Texels, String> {
+        self.image(index, budget, |bytes, budget| {
+            if texture::is_webp(bytes) && !may_be_webp {
+                return Err(Fault::invalid("it is a WebP, which only EXT_texture_webp may name"));
+            }
+            texture::decode(bytes, budget)
+        })
+    }
+
+    /// What `decode` makes of a picture's bytes, or why there is nothing.
+    fn image<T>(
+        &self,
+        index: usize,
+        budget: &mut Budget,
+        decode: impl FnOnce(&[u8], &mut Budget) -> Result<T, Fault>,
+    ) -> Result<T, String> {
         let image = &self.root.images[index];
         let name = format!("image {index}");
         let said = |fault: Fault| match fault {
@@ -143,10 +172,7 @@ impl<'a> Textures<'a> {
             (None, Some(view)) => self.buffers.view(view.0, &name).map_err(said)?,
             _ => return Err(format!("{name} has neither a URI nor a buffer view, or both")),
         };
-        if texture::is_webp(bytes) && !may_be_webp {
-            return Err(format!("{name} is a WebP, which only EXT_texture_webp may name"));
-        }
-        texture::decode(bytes, budget).map_err(said)
+        decode(bytes, budget).map_err(said)
     }
 
     /// Of a texture with reflectance in RGB (sRGB) and glossiness in A, each with its factor, one with roughness in G and the strength of the
@@ -180,6 +206,37 @@ impl<'a> Textures<'a> {
         self.converted.insert(key, id);
         Ok(id)
     }
+}
+
+/// How a texture lies on a mesh: its transform and which of the mesh's coordinates it takes. `None` with a warning for others than those.
+fn placement(
+    info: &TextureInfo,
+    (sets, referrer): (CoordinateSets, &str),
+    scene: &mut Scene,
+) -> Option<(Affine2, usize)> {
+    let Some(set) = sets.iter().position(|set| *set == info.set()) else {
+        let set = info.set();
+        scene.warnings.push(format!(
+            "{referrer}: a texture on coordinate set {set} is left out: a material has two sets at most"
+        ));
+        return None;
+    };
+    let mut uv_from_mesh = Affine2::IDENTITY;
+    if let Some(transform) = &info.extensions.transform {
+        let scale = transform.scale.map_or(Vec2::ONE, Vec2::from_array);
+        // Counter-clockwise as the picture is seen, with v pointing down: the negative angle in (u, v).
+        let affine = Affine2::from_scale_angle_translation(
+            scale,
+            -transform.rotation,
+            Vec2::from_array(transform.offset),
+        );
+        if affine.is_finite() {
+            uv_from_mesh = affine;
+        } else {
+            scene.warnings.push(format!("{referrer}: a texture transform that is not finite is ignored"));
+        }
+    }
+    Some((uv_from_mesh, set))
 }
 
 fn push(scene: &mut Scene, texture: Texture) -> TextureId {

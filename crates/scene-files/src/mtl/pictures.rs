@@ -4,17 +4,19 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use gnomon_scene::{Scene, Texture, TextureId, TextureRef, Wrap};
+use gnomon_scene::{Height, HeightMap, HeightMapId, Scene, Texture, TextureId, TextureRef, Wrap};
 
 use super::map::Map;
 use crate::error::Fault;
-use crate::{Budget, Source, text, texture};
+use crate::{Budget, Source, heights, text, texture};
 
 /// Pictures by name, and textures by what they are made of, each once.
 #[derive(Default)]
 pub struct Pictures {
     decoded: HashMap<String, Option<Arc<Texture>>>,
     textures: HashMap<Recipe, TextureId>,
+    /// By name and whether it ends at its edges; `None` for one that cannot be had.
+    heights: HashMap<(String, bool), Option<HeightMapId>>,
 }
 
 /// Pictures of colours and of holes, the channel of the holes, and whether it ends at its edges.
@@ -63,6 +65,45 @@ impl Pictures {
         Ok(Some(TextureRef { texture, uv_from_mesh: placed.uv_from_mesh, set: 0 }))
     }
 
+    /// The heights of a map, its strength for their scale. `None` with a warning where no picture can be had.
+    pub fn heights(
+        &mut self,
+        map: &Map,
+        (source, folder): (&Source, &Path),
+        budget: &mut Budget,
+        scene: &mut Scene,
+    ) -> Result<Option<Height>, Fault> {
+        let key = (map.name.clone(), map.clamp);
+        let id = match self.heights.get(&key) {
+            Some(&known) => known,
+            None => {
+                let wrap = if map.clamp { Wrap::ClampToEdge } else { Wrap::Repeat };
+                let found = source.find(text::names(&map.name), &[folder], budget);
+                let warn = |warning| scene.warnings.push(warning);
+                let decoded = found.and_then(|(path, bytes)| {
+                    let map = heights::decode(&bytes, [wrap; 2], budget, warn);
+                    map.map_err(|fault| match fault {
+                        Fault::TooLarge { .. } => fault,
+                        fault => fault.at(&path).into(),
+                    })
+                });
+                let id = match decoded {
+                    Ok(map) => Some(push(scene, map)),
+                    Err(Fault::TooLarge { limit_mib }) => return Err(Fault::TooLarge { limit_mib }),
+                    Err(fault) => {
+                        scene.warnings.push(format!("heights are left out: {}", fault.at(source.path)));
+                        None
+                    }
+                };
+                self.heights.insert(key, id);
+                id
+            }
+        };
+        let height =
+            |map_id| Height { map: map_id, uv_from_mesh: map.uv_from_mesh, set: 0, scale: map.strength };
+        Ok(id.filter(|_| map.strength.is_finite()).map(height))
+    }
+
     /// A picture by name, read once.
     fn picture(
         &mut self,
@@ -99,6 +140,11 @@ impl Pictures {
         self.decoded.insert(name.to_owned(), picture.clone());
         Ok(picture)
     }
+}
+
+fn push(scene: &mut Scene, map: HeightMap) -> HeightMapId {
+    scene.height_maps.push(Arc::new(map));
+    HeightMapId(scene.height_maps.len() - 1)
 }
 
 /// Colours of one picture, white without one, and holes of another, as large as the larger of both.

@@ -35,6 +35,11 @@ super::constants! {
     pub const FLAG_SAMPLED_GLOSS: u32 = 128;
     /// [`View::flags`]: among the specular sums of near light is what lobes reflect of the scene.
     pub const FLAG_MIRRORED_SCENE: u32 = 256;
+    /// [`View::flags`]: sums of light are kept in floats.
+    pub const FLAG_WIDE_SUMS: u32 = 512;
+
+    /// [`View::flags`]: bumps light each other.
+    pub const FLAG_BUMP_SCATTER: u32 = 1024;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
@@ -54,6 +59,8 @@ super::constants! {
     pub const MAX_BATCH_LIGHTS: u32 = 160;
     /// [`Batch::flags`]: nothing has been summed before.
     pub const FLAG_FIRST: u32 = 1;
+    /// [`Batch::group`]: all lights are let through.
+    pub const ALL_GROUPS: u32 = u32::MAX;
 
     /// Words of the buffer that keeps account of points: points listed so far, by all stages.
     pub const WORK_POINTS: u32 = 0;
@@ -105,6 +112,8 @@ super::structs! {
         pub point_list_count: u32,
         /// Samples of a glossy lobe.
         pub gloss_samples: u32,
+        /// Whether heights bend normals: 0 or 1.
+        pub bumps: u32,
         /// The list at which rough gloss is traced; smooth gloss is at the last one.
         pub rough_gloss_list: u32,
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
@@ -193,6 +202,8 @@ super::structs! {
         pub to_distance: f32,
         /// What depths are compared with moves by so much of the technique's bias: a map may be small for its depths.
         pub bias_scale: f32,
+        /// Lights with one number make one layer.
+        pub group: u32,
         /// Of a distant rectangle at radiance 1 (Arvo 1994): times a normal that has all of it above the horizon, its form factor [sr].
         pub vector_irradiance: Vec3,
         /// Place in the frame's list of lights, whatever batch it is in.
@@ -207,6 +218,8 @@ super::structs! {
         pub end_light: u32,
         /// FLAG constants.
         pub flags: u32,
+        /// The [`Light::group`] whose light is let through, or [`ALL_GROUPS`].
+        pub group: u32,
     }
 
     /// A small bright part of an environment, in its own frame: a disk of uniform radiance.

@@ -10,14 +10,18 @@ use encase::internal::WriteInto;
 use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 
 mod frame;
+mod layers;
 mod picture;
 mod scene;
 mod shadow;
+mod tables;
 
 pub use frame::*;
+pub use layers::*;
 pub use picture::*;
 pub use scene::*;
 pub use shadow::*;
+pub use tables::*;
 
 /// A constant or type whose WGSL follows from the Rust one.
 trait InWgsl {
@@ -111,9 +115,11 @@ use structs;
 pub fn described() -> Vec<Struct> {
     [
         frame::described_structs(),
+        layers::described_structs(),
         picture::described_structs(),
         scene::described_structs(),
         shadow::described_structs(),
+        tables::described_structs(),
     ]
     .into_iter()
     .flatten()
@@ -125,9 +131,11 @@ pub fn described() -> Vec<Struct> {
 pub(crate) static MODULE: LazyLock<String> = LazyLock::new(|| {
     let constants = [
         frame::constants_in_wgsl(),
+        layers::constants_in_wgsl(),
         picture::constants_in_wgsl(),
         scene::constants_in_wgsl(),
         shadow::constants_in_wgsl(),
+        tables::constants_in_wgsl(),
     ]
     .concat();
     described().iter().fold(constants, |text, declared| text + &declared.wgsl)

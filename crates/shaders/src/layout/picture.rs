@@ -24,19 +24,13 @@ super::constants! {
     pub const VIEW_LIGHTS: u32 = 7;
     /// [`DebugParameters::view`]: where lights are summed.
     pub const VIEW_POINTS: u32 = 8;
+    /// [`DebugParameters::view`]: share of the hemisphere that bumps leave open.
+    pub const VIEW_BUMPS: u32 = 9;
+    /// [`DebugParameters::view`]: light that bumps scatter to each other.
+    pub const VIEW_SCATTERED: u32 = 10;
 }
 
 super::structs! {
-    /// What is composed at a time.
-    pub struct Composition {
-        /// Whether the pass is over edge pixels alone, not over the whole picture.
-        pub over_edges: u32,
-        /// Of surfaces that light passes, counted from the nearest; [`Composition::layer_count`] for what lies behind them.
-        pub layer: u32,
-        /// Number of layers.
-        pub layer_count: u32,
-    }
-
     /// How samples become pixels.
     pub struct ResolveParameters {
         /// Samples along a pixel's side.

@@ -1,6 +1,6 @@
 //! Triangles, and what they are made of.
 
-use glam::{Mat4, UVec2, Vec3, Vec4};
+use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 
 super::constants! {
     /// [`Instance::first_joint`] of an instance without a skin.
@@ -24,6 +24,12 @@ super::constants! {
     pub const TEXTURE_SPECULAR_COLOR: u32 = 5;
     /// [`MaterialTexture::kind`]: RGB, multiplies the emission.
     pub const TEXTURE_EMISSIVE: u32 = 6;
+    /// [`MaterialTexture::kind`]: slopes of heights along u and v, and the means of their squares.
+    pub const TEXTURE_HEIGHT: u32 = 7;
+    /// [`ReliefMap::shape`]: ellipses.
+    pub const RELIEF_ELLIPSES: u32 = 0;
+    /// [`ReliefMap::shape`]: horizons in eight azimuths.
+    pub const RELIEF_HORIZONS: u32 = 1;
     /// [`Material::alpha_cutoff`] where alpha is a share of the rays.
     pub const ALPHA_BLENDS: f32 = -1.0;
     /// [`MaterialTexture::wrap`]: repeat.
@@ -91,6 +97,21 @@ super::structs! {
         pub end_texture: u32,
         /// 1 where vertex colours multiply the emission, else 0.
         pub emissive_vertex_colors: u32,
+        /// 1 where it shows what is behind the scene, darkened by shadows.
+        pub catches: u32,
+        /// Of its heights: metres over the map's width and height for a slope of 1 in the texture.
+        pub height_slope: Vec2,
+        /// Factor of the roughness that textures multiply, where [`Material::shape`] leaves it to them: bumps may make a surface rougher than
+        /// its own.
+        pub roughness: f32,
+    }
+
+    /// What is prepared of a material's heights.
+    pub struct ReliefMap {
+        /// Along width and height of the map, where the field was prepared [m].
+        pub extent: Vec2,
+        /// RELIEF constant.
+        pub shape: u32,
     }
 
     /// A texture as a material uses it.

@@ -23,6 +23,14 @@ super::constants! {
     pub const FAR_MATERIAL_TEXELS: u32 = 5;
     /// Materials in a row of their texture.
     pub const FAR_MATERIALS_A_ROW: u32 = 256;
+    /// Instead of the second triangle of an edge: there is none.
+    pub const NO_WING: u32 = u32::MAX;
+    /// Where the SIDE constants of a triangle begin in the word beside its third corner.
+    pub const SIDE_SHIFT: u32 = 28;
+    /// A triangle has to be turned to agree with those around it.
+    pub const SIDE_TURNED: u32 = 1;
+    /// Both sides of a triangle's surface block light by themselves.
+    pub const SIDE_SHEET: u32 = 2;
 }
 
 super::structs! {
@@ -67,6 +75,42 @@ super::structs! {
         /// Of a leaf [`RAY_LEAF`] times its first triangle, or the first node of its instance, plus the number of triangles or
         /// [`RAY_INSTANCE`]; 0 of any other node.
         pub members: u32,
+    }
+
+    /// What is marked for every light: triangles, then edges, then nodes around edges, each a word for every 32 lights.
+    pub struct SilhouetteCounts {
+        /// Triangles that rays meet.
+        pub triangles: u32,
+        /// Edges between them.
+        pub edges: u32,
+        /// The first node around edges, of the level around instances.
+        pub first_node: u32,
+        /// The first that is marked: of the levels around edges.
+        pub first_marked: u32,
+        /// Words of a mark.
+        pub words: u32,
+    }
+
+    /// Parameters of penumbra wedges.
+    pub struct WedgeParameters {
+        /// Factor on the lights' size.
+        pub light_size: f32,
+    }
+
+    /// Parameters of shadow volumes.
+    pub struct VolumeParameters {
+        /// How far they reach in a parallel view [m].
+        pub length: f32,
+    }
+
+    /// Parameters of techniques that look at all texels of a depth map that may block.
+    pub struct WindowParameters {
+        /// Of a window, along a side.
+        pub texels: u32,
+        /// Factor on the lights' offset along the normal.
+        pub normal_offset_scale: f32,
+        /// Receiver depth is moved towards the light by this much, in linear depth.
+        pub depth_bias: f32,
     }
 
     /// Parameters of moment soft shadow maps.

@@ -29,5 +29,5 @@ pub fn pack_thirds(a: Vec3, b: Vec3, c: Vec3) -> [u32; 2] {
 /// One of the three.
 pub fn unpack_third(words: [u32; 2], which: usize) -> Vec3 {
     let [low, high] = words;
-    unpack_20([low & 0xf_ffff, low >> 20 | (high & 0xff) << 12, high >> 8][which])
+    unpack_20([low & 0xf_ffff, low >> 20 | (high & 0xff) << 12, high >> 8 & 0xf_ffff][which])
 }

@@ -55,6 +55,9 @@ impl Digest {
             self.add(cast_slice(&texture.rgba8));
             self.add_debug(&(texture.width, texture.height, texture.wrap, texture.nearest));
         }
+        for map in &scene.height_maps {
+            self.add_debug(map);
+        }
         self.add_debug(&(&scene.materials, &scene.nodes, &scene.lights, &scene.cameras));
         self.add_debug(&(&scene.skins, &scene.animations, &scene.animated, &scene.camera_mounts));
     }

@@ -15,7 +15,7 @@ use crate::{Look, Stage, StudioError};
 pub use files::{FrameFiles, SequenceRun};
 pub use film::Film;
 
-use digest::Digest;
+pub(crate) use digest::Digest;
 
 /// How a scene changes over time. Everything goes by rates, so that a frame depends on its number alone and not on which frames are
 /// drawn with it.
@@ -108,6 +108,13 @@ impl Sequence {
             look.camera = CameraLook::Free(camera);
         }
         look
+    }
+
+    /// The look of a frame with pose and camera of the one before: what motion is measured from. Nothing was before frame 0, which stands
+    /// still.
+    pub fn look_before(&self, frame: u32) -> Look {
+        let before = self.look(frame.saturating_sub(1));
+        Look { animation: before.animation, camera: before.camera, ..self.look(frame) }
     }
 
     /// Everything that the pixels of all frames depend on, in words, and a digest of it: `how` says what draws them. Files count by what is

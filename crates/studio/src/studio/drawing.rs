@@ -3,6 +3,7 @@
 use gnomon_renderer::Frame;
 #[cfg(not(target_arch = "wasm32"))]
 use gnomon_renderer::PassTiming;
+use gnomon_renderer::layers::{LayerRequest, RenderedLayers};
 use gnomon_renderer::lod::LevelOfDetail;
 
 use super::{Studio, Update};
@@ -30,6 +31,43 @@ impl Studio {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn frame(&mut self, width: u32, height: u32) -> Result<Frame, StudioError> {
         Ok(self.renderer.render(&self.stage.camera()?, width, height)?)
+    }
+
+    /// Draws a frame with layers, see [`gnomon_renderer::Renderer::render_layers_async`].
+    ///
+    /// # Errors
+    /// As there, and as [`Studio::camera`].
+    pub fn frame_layers_async<R: Into<LayerRequest>>(
+        &mut self,
+        width: u32,
+        height: u32,
+        layers: R,
+    ) -> impl Future<Output = Result<(Frame, RenderedLayers), StudioError>> + Send + use<R> {
+        let camera = self.camera();
+        let frame = camera.map(|camera| self.renderer.render_layers_async(&camera, width, height, layers));
+        async move { Ok(frame?.await?) }
+    }
+
+    /// The same, waited for.
+    ///
+    /// # Errors
+    /// As [`Studio::frame_layers_async`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn frame_layers(
+        &mut self,
+        width: u32,
+        height: u32,
+        layers: impl Into<LayerRequest>,
+    ) -> Result<(Frame, RenderedLayers), StudioError> {
+        Ok(self.renderer.render_layers(&self.stage.camera()?, width, height, layers)?)
+    }
+
+    /// Takes the look for that of the frame before, see [`gnomon_renderer::Renderer::remember_for_motion`].
+    ///
+    /// # Errors
+    /// As there, and as [`Studio::camera`].
+    pub fn remember_for_motion(&mut self) -> Result<(), StudioError> {
+        Ok(self.renderer.remember_for_motion(&self.stage.camera()?)?)
     }
 
     /// Draws a frame without waiting for it; [`gnomon_renderer::Renderer::display_view`] shows it.
@@ -125,9 +163,13 @@ impl Studio {
     }
 
     fn set_level_of_detail(&mut self, level: LevelOfDetail) -> Result<(), StudioError> {
+        let asked_for = self.asked_for();
         self.edit(|look| {
-            // A threshold would decide the number of lights.
-            (look.fit.light_count, look.fit.threshold) = (Some(level.lights as usize), None);
+            // A number of lights that stays needs no other fit.
+            if level.lights != asked_for.lights {
+                // A threshold would decide it.
+                (look.fit.light_count, look.fit.threshold) = (Some(level.lights as usize), None);
+            }
             level.set(&mut look.techniques);
         })
     }

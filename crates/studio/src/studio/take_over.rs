@@ -8,7 +8,7 @@ use gnomon_renderer::{Change, Gpu, LightingChange, PreparedLighting, SceneChange
 
 use super::{LightingKey, Studio, Update, checked, renderer_of};
 use crate::environment::{
-    LightingRequest, LightingResult, MapSource, Surroundings, work_out, work_out_stage,
+    LightingRequest, LightingResult, MapSource, Surroundings, work_out, work_out_stage, work_out_unless,
 };
 use crate::frame_rate::FramesInFlight;
 use crate::{Look, Project, SceneSource, Stage, StudioError};
@@ -102,6 +102,36 @@ impl Studio {
             updates.push(self.take_lighting(worked_out.flatten()));
         }
         updates
+    }
+
+    /// Goes on with another stage, and waits for what that takes: frames are then those that a new session would draw of it. What it shares with the
+    /// stage before stays on the device: meshes and textures by their `Arc`, the environment with its lights. Only in an interior lights are worked
+    /// out anew, as they are for its pose and its camera.
+    ///
+    /// # Errors
+    /// As [`Studio::new`]; the session then stays as it was.
+    pub fn set_stage(&mut self, stage: Stage) -> Result<(), StudioError> {
+        let is_same = stage.surroundings().is(self.stage.surroundings());
+        let (prepared, lit) = match work_out_unless(&stage, is_same.then_some(&self.lit_for))? {
+            Some(LightingResult { lights, prepared, lit_for, .. }) => {
+                (Some(LightingChange::Prepared(Box::new(prepared))), Some((lights, lit_for)))
+            }
+            None => (None, None),
+        };
+        let is_same_scene = Arc::ptr_eq(stage.scene(), self.stage.scene());
+        self.renderer.change(Change {
+            scene: (!is_same_scene).then_some(SceneChange::Whole(stage.scene())),
+            lighting: prepared,
+            ..self.change_to(&stage)
+        })?;
+        self.stage = stage;
+        if let Some((lights, lit_for)) = lit {
+            (self.lights, self.lit_for) = (Arc::new(lights), lit_for);
+        }
+        // What is worked on is for the stage before.
+        self.lighting.forget();
+        self.scenes.forget();
+        Ok(())
     }
 
     /// Goes on with another device, as after the loss of the one before.

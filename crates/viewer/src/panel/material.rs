@@ -19,7 +19,7 @@ pub fn show(fields: &mut Fields<'_>, wanted: &mut Option<ReflectanceSettings>) {
     }
     let Some(settings) = wanted else { return };
     for parameter in settings.model().required() {
-        slider(fields, settings, parameter);
+        control(fields, settings, parameter);
     }
     for parameter in settings.model().optional() {
         let (label, name) = (parameter.name.replace('_', " "), format!("own {}", parameter.name));
@@ -30,10 +30,26 @@ pub fn show(fields: &mut Fields<'_>, wanted: &mut Option<ReflectanceSettings>) {
         if own {
             continue;
         }
-        if parameter.is_color {
-            color(fields, settings, parameter);
-        } else {
-            slider(fields, settings, parameter);
+        control(fields, settings, parameter);
+    }
+}
+
+/// A colour field for what is a colour, else a slider for every number.
+fn control(fields: &mut Fields<'_>, settings: &mut ReflectanceSettings, parameter: &'static Parameter) {
+    match (parameter.is_color, parameter.slider == [0.0, 1.0]) {
+        (true, true) => color(fields, settings, parameter),
+        (true, false) => channels(fields, settings, parameter),
+        (false, _) => slider(fields, settings, parameter),
+    }
+}
+
+fn channels(fields: &mut Fields<'_>, settings: &mut ReflectanceSettings, parameter: &'static Parameter) {
+    let Some(mut value) = settings.get(parameter) else { return };
+    let [least, most] = parameter.slider;
+    for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
+        let name = format!("{} {name}", parameter.name);
+        if fields.slider(&name, &name, &mut value[channel], least..=most, "") {
+            settings.set(parameter, Some(value));
         }
     }
 }

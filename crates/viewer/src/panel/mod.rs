@@ -9,7 +9,7 @@ mod times;
 mod view;
 
 use eframe::egui::Ui;
-use gnomon_studio::{ENVIRONMENT, Look, SCENE, Studio};
+use gnomon_studio::{ENVIRONMENT, Look, SCENE};
 
 pub use options::wrapped;
 
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, targets: &mut Targets) {
         return;
     };
     let mut wanted: Look = look.clone();
-    let in_force = viewer.studio().map_or(Look::default(), |studio| in_force(studio));
+    let in_force = viewer.studio().map_or(Look::default(), |studio| studio.look_in_force());
     let mut fields = Fields { ui, targets };
     fields.section(SCENE.heading, true, |fields| scene::show(fields, viewer, &mut wanted));
     fields.section("View", true, |fields| view::show(fields, viewer));
@@ -48,12 +48,4 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, targets: &mut Targets) {
     if wanted != look {
         viewer.edit(|look| *look = wanted);
     }
-}
-
-/// The look of a session with what the program has come to where an option is left to it.
-fn in_force(studio: &Studio) -> Look {
-    let mut look = studio.look().clone();
-    look.display.exposure = Some(studio.stage().exposure());
-    look.fit.light_count = Some(studio.lights().lights.len().max(1));
-    look
 }

@@ -42,7 +42,7 @@ pub fn as_declared(_: &OptionSpec) -> Offer {
 /// The headings but `others` of options that matter for a look, in the order of their declaration.
 pub fn headings(look: &Look, others: &[&str]) -> Vec<Heading> {
     let mut headings: Vec<Heading> = Vec::new();
-    let matters = condition(look);
+    let matters = gnomon_options::matters(look);
     look.visit(&mut |spec, _| {
         let title = spec.heading();
         if !others.contains(&title)
@@ -65,7 +65,7 @@ pub fn show(
     in_force: &Look,
     offer: &dyn Fn(&OptionSpec) -> Offer,
 ) {
-    let matters = condition(wanted);
+    let matters = gnomon_options::matters(wanted);
     let mut values = BTreeMap::new();
     in_force.visit(&mut |spec, field| drop(values.insert(spec.name(), field.get())));
     wanted.visit_mut(&mut |spec, field| {
@@ -81,20 +81,6 @@ pub fn show(
 /// The window itself is the picture's size.
 fn is_controlled(spec: &OptionSpec) -> bool {
     !matches!(spec.kind, Kind::Size)
-}
-
-/// Whether an option matters, by the choices that a look makes.
-fn condition(look: &Look) -> impl Fn(&OptionSpec) -> bool + use<> {
-    let mut chosen = BTreeMap::new();
-    look.visit(&mut |spec, field| {
-        if let OptionValue::Name(name) = field.get() {
-            chosen.insert(spec.name(), name);
-        }
-    });
-    move |spec| {
-        spec.condition()
-            .is_none_or(|(name, values)| chosen.get(name).is_some_and(|is| values.contains(&is.as_str())))
-    }
 }
 
 fn control(

@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use gnomon_scene_files::EnvironmentSource;
-use gnomon_studio::{SceneSource, StudioError};
+use gnomon_studio::{FileKind, SceneSource, StudioError, kind_of};
 
 use super::Viewer;
-use crate::files::{FileKind, kind_of};
 use crate::notices::Level;
 
 impl Viewer {

@@ -22,6 +22,17 @@ pub struct MaterialEntry {
     pub double_sided: bool,
     #[serde(default)]
     pub extensions: MaterialExtensions,
+    /// The application's own; anything may stand there.
+    #[serde(default)]
+    pub extras: serde_json::Value,
+}
+
+/// `extras.gnomon_height` of a material: there is no ratified extension for heights.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct HeightEntry {
+    pub texture: TextureInfo,
+    pub scale: f32,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -125,6 +136,12 @@ impl TextureInfo {
 }
 
 impl MaterialEntry {
+    /// The heights that its extras describe, or why they cannot be used.
+    pub fn height(&self) -> Option<Result<HeightEntry, String>> {
+        let entry = self.extras.get("gnomon_height")?;
+        Some(HeightEntry::deserialize(entry).map_err(|error| error.to_string()))
+    }
+
     /// Every use of a texture.
     pub fn texture_infos(&self) -> impl Iterator<Item = &TextureInfo> {
         let pbr = &self.pbr_metallic_roughness;

@@ -2,8 +2,8 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
+use crate::{Bounds, Camera, Film, Projection};
 use glam::{DVec3, Vec2, Vec3};
-use gnomon_scene::{Bounds, Camera, Film, Projection};
 
 /// Highest tilt up and down [rad]: straight up has no direction to the side.
 const MAX_PITCH: f32 = FRAC_PI_2 - 0.01;

@@ -1,0 +1,233 @@
+"""The render server, asked by plain requests and, where it is installed, by Drake's own client."""
+
+import base64
+import hashlib
+import http.client
+import importlib.util
+import json
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import zlib
+
+import gnomon
+import gnomon.serve
+import numpy as np
+import pytest
+from conftest import QUICK, skip
+from test_pictures import cube
+
+SIZE = (48, 36)
+
+
+def gltf(label=(300, 7)):
+    """Two boxes in a scene with +z up, coloured as Drake colours labels, and a camera 3 m above that looks down."""
+    vertices, triangles = cube()
+    corners = (vertices - 0.5).astype("<f4")
+    indices = triangles.astype("<u2")
+    data = corners.tobytes() + indices.tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    material = [
+        {"pbrMetallicRoughness": {"baseColorFactor": [(n & 255) / 255, (n >> 8) / 255, 0, 1]}} for n in label
+    ]
+    return {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [
+            {"mesh": 0, "translation": [-0.8, 0, 0]},
+            {"mesh": 1, "translation": [0.8, 0, 0]},
+            {"camera": 0, "translation": [0, 0, 3]},
+        ],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.01, "zfar": 10, "aspectRatio": 4 / 3}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": n}]} for n in (0, 1)],
+        "materials": material,
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [-0.5] * 3, "max": [0.5] * 3},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 96},
+            {"buffer": 0, "byteOffset": 96, "byteLength": 72},
+        ],
+        "buffers": [{"uri": uri, "byteLength": len(data)}],
+    }
+
+
+SCENE = json.dumps(gltf()).encode()
+LENS = {"focal_x": 40, "focal_y": 40, "center_x": 24, "center_y": 18, "near": 0.01, "far": 10, "fov_x": 1, "fov_y": 1}
+
+
+def fields(**changed):
+    whole = {"scene": SCENE, "image_type": "color", "width": SIZE[0], "height": SIZE[1], **LENS, **changed}
+    if whole["scene"] is not None:
+        whole.setdefault("scene_sha256", hashlib.sha256(whole["scene"]).hexdigest())
+    return {name: value for name, value in whole.items() if value is not None}
+
+
+def encoded(form, boundary="frontier"):
+    parts = b""
+    for name, value in form.items():
+        file = '; filename="scene.gltf"' if name == "scene" else ""
+        value = value if isinstance(value, bytes) else str(value).encode()
+        parts += f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"{file}\r\n\r\n'.encode() + value + b"\r\n"
+    return parts + f"--{boundary}--\r\n".encode()
+
+
+@pytest.fixture(scope="module")
+def server(renderer, room):
+    server = gnomon.serve.Server(("127.0.0.1", 0), room, **QUICK)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield server
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+@pytest.fixture()
+def post(server):
+    def post(form, path="/render", body=None, kind="multipart/form-data; boundary=frontier"):
+        connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=120)
+        connection.request("POST", path, encoded(form) if body is None else body, {"Content-Type": kind})
+        answer = connection.getresponse()
+        return answer.status, answer.getheader("Content-Type"), answer.read()
+
+    return post
+
+
+def labels_of(data):
+    """Labels of a PNG file of 8-bit colours that no filter was used on."""
+    place, rows = 8, b""
+    while place < len(data):
+        (length,) = struct.unpack(">I", data[place : place + 4])
+        kind, part = data[place + 4 : place + 8], data[place + 8 : place + 8 + length]
+        if kind == b"IHDR":
+            width, height, bits, color = struct.unpack(">IIBB", part[:10])
+            assert (bits, color) == (8, 2)
+        rows += part if kind == b"IDAT" else b""
+        place += 12 + length
+    lines = np.frombuffer(zlib.decompress(rows), np.uint8).reshape(height, 1 + 3 * width)
+    red, green, blue = np.moveaxis(lines[:, 1:].reshape(height, width, 3).astype(int), 2, 0)
+    assert not blue.any()
+    return red + 256 * green
+
+
+def test_colour_depth_and_labels_are_those_of_the_scene(post, tmp_path):
+    status, kind, image = post(fields())
+    assert (status, kind) == (200, "image/png")
+    (tmp_path / "color.png").write_bytes(image)
+    color = gnomon.read(tmp_path / "color.png")
+    assert color.shape == (36, 48, 3)
+    status, kind, image = post(fields(image_type="depth", min_depth=0.1, max_depth=2.9))
+    assert (status, kind) == (200, "image/tiff")
+    depth = np.frombuffer(image[-4 * 48 * 36 :], "<f4").reshape(36, 48)
+    # The tops of the boxes are 2.5 m below, 0.3 to 1.3 m from the middle: at 40 pixels / 2.5 m.
+    assert depth[18, 24 + 12] == pytest.approx(2.5, abs=1e-4) and np.isinf(depth[18, 24]) and np.isinf(depth[0, 0])
+    status, kind, image = post(fields(image_type="label"))
+    assert (status, kind) == (200, "image/png")
+    labels = labels_of(image)
+    assert set(np.unique(labels)) == {300, 7, gnomon.serve.EMPTY}
+    assert (labels[18, 24 - 12], labels[18, 24 + 12], labels[18, 24]) == (300, 7, gnomon.serve.EMPTY)
+    # Red is on the left: its label has more of it.
+    left, right = color[14:22, 8:16].mean((0, 1)), color[14:22, 32:40].mean((0, 1))
+    assert left[1] > right[1]
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"scene": None}, "scene is missing"),
+        ({"scene": b"no scene"}, "scene"),
+        ({"scene_sha256": "00"}, "scene_sha256"),
+        ({"image_type": "normal"}, "color, depth or label"),
+        ({"image_type": "depth"}, "min_depth is missing"),
+        ({"width": 0}, "width must be a number from 1 to 4096"),
+        ({"height": 1e9}, "height must be"),
+        ({"width": "nan"}, "width must be"),
+        ({"focal_x": -1}, "focal_x must be"),
+        ({"scene": json.dumps({**gltf(), "buffers": [{"uri": "/etc/passwd", "byteLength": 168}]}).encode()}, "passwd"),
+        ({"scene": json.dumps({**gltf(), "nodes": [], "scenes": [{}]}).encode()}, "no camera"),
+    ],
+)
+def test_a_bad_request_is_told(post, changed, sentence):
+    status, kind, text = post(fields(**changed))
+    assert status == 400 and kind == "text/plain" and sentence in text.decode() and text.count(b"\n") == 1
+
+
+def test_what_is_no_request_is_refused_and_hurts_no_other(server, post, monkeypatch):
+    assert post(fields(), path="/etc/passwd")[0] == 404
+    assert post({}, body=b"x", kind="text/plain")[0] == 400
+    assert post({}, body=encoded(fields())[:300])[0] == 400
+    monkeypatch.setattr(gnomon.serve, "LARGEST_BODY", 100)
+    assert post(fields())[0] == 413
+    monkeypatch.undo()
+    # Two clients that say nothing, and requests that do beside them.
+    monkeypatch.setattr(gnomon.serve.Handler, "timeout", 1)
+    silent = [socket.create_connection(("127.0.0.1", server.server_port)) for _ in range(2)]
+    silent[0].sendall(b"POST /render HTTP/1.1\r\nContent-Length: 1000\r\n\r\nnot yet")
+    expected = post(fields())
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(post(fields()))) for _ in range(6)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert found == [expected] * 6 and expected[0] == 200
+    assert b"408" in silent[0].recv(100)
+    [client.close() for client in silent]
+    monkeypatch.setattr(server, "places", threading.BoundedSemaphore(1))
+    with server.places:
+        assert post(fields())[0] == 503
+    assert post(fields()) == expected
+
+
+# The client keeps the interpreter's lock while it waits: it is another process.
+CLIENT = """
+import sys
+
+import numpy as np
+from pydrake.geometry import (
+    Box, ClippingRange, ColorRenderCamera, DepthRange, DepthRenderCamera, GeometryInstance, MakeRenderEngineGltfClient,
+    PerceptionProperties, RenderCameraCore, RenderEngineGltfClientParams, RenderLabel, Rgba, SceneGraph,
+)
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.systems.sensors import CameraInfo
+
+graph = SceneGraph()
+params = RenderEngineGltfClientParams(base_url=sys.argv[1], render_endpoint="render")
+graph.AddRenderer("gnomon", MakeRenderEngineGltfClient(params))
+source = graph.RegisterSource("test")
+for place, label in [((-0.8, 0, 0), 300), ((0.8, 0, 0), 7)]:
+    properties = PerceptionProperties()
+    properties.AddProperty("phong", "diffuse", Rgba(0.8, 0.2, 0.1, 1))
+    properties.AddProperty("label", "id", RenderLabel(label))
+    box = GeometryInstance(RigidTransform(place), Box(1, 1, 1), str(label))
+    box.set_perception_properties(properties)
+    graph.RegisterAnchoredGeometry(source, box)
+query = graph.get_query_output_port().Eval(graph.CreateDefaultContext())
+core = RenderCameraCore("gnomon", CameraInfo(48, 36, 40, 40, 24, 18), ClippingRange(0.01, 10), RigidTransform())
+# Drake's cameras look along +z, with +y down.
+pose = RigidTransform(RotationMatrix.MakeXRotation(np.pi), (0, 0, 3))
+frame = graph.world_frame_id()
+np.savez(
+    sys.argv[2],
+    color=query.RenderColorImage(ColorRenderCamera(core), frame, pose).data,
+    depth=query.RenderDepthImage(DepthRenderCamera(core, DepthRange(0.1, 2.9)), frame, pose).data,
+    labels=query.RenderLabelImage(ColorRenderCamera(core), frame, pose).data,
+    empty=int(RenderLabel.kEmpty),
+)
+"""
+
+
+def test_drake_s_client_draws_with_it(server, tmp_path):
+    if not importlib.util.find_spec("pydrake"):
+        skip("the package drake is not installed")
+    address, images = f"http://127.0.0.1:{server.server_port}", tmp_path / "images.npz"
+    subprocess.run([sys.executable, "-c", CLIENT, address, images], check=True, timeout=120)
+    images = np.load(images)
+    color, depth, labels = (images[name] for name in ("color", "depth", "labels"))
+    assert images["empty"] == gnomon.serve.EMPTY
+    assert color.shape == (36, 48, 4) and color[18, 12, 0] > color[18, 12, 2]
+    assert abs(depth[18, 36, 0] - 2.5) < 1e-3 and np.isinf(depth[18, 24, 0])
+    assert (labels[18, 12, 0], labels[18, 36, 0], labels[18, 24, 0]) == (300, 7, gnomon.serve.EMPTY)
