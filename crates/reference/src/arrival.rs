@@ -39,10 +39,11 @@ pub fn interior_arrival(
             let place = Vec2::new((number % RECEIVERS.x) as f32, (number / RECEIVERS.x) as f32)
                 + to_vec2(sequence.pair(0, Decision::Pixel));
             let ray = camera_ray(camera, size, place / RECEIVERS.as_vec2() * size.as_vec2());
-            let first = receiver(&traced, &ray);
+            let opacity = sequence.pair(0, Decision::Opacity);
+            let first = receiver(&traced, &ray, opacity.x);
             let second = first.and_then(|receiver| {
                 let direction = cosine_direction(receiver.normal, sequence.pair(0, Decision::Direction));
-                self::receiver(&traced, &Ray { origin: receiver.lifted, direction })
+                self::receiver(&traced, &Ray { origin: receiver.lifted, direction }, opacity.y)
             });
             first
                 .into_iter()
@@ -70,8 +71,8 @@ struct Receiver {
     normal: Vec3,
 }
 
-fn receiver(traced: &TracedScene<'_>, ray: &Ray) -> Option<Receiver> {
-    let point = traced.hit_point(&traced.closest_hit(ray)?, -ray.direction);
+fn receiver(traced: &TracedScene<'_>, ray: &Ray, chance: f64) -> Option<Receiver> {
+    let point = traced.hit_point(&traced.closest_hit(ray, chance)?, -ray.direction);
     Some(Receiver { lifted: point.lifted(), normal: point.geometric_normal })
 }
 
@@ -99,7 +100,7 @@ fn looked(
         if cosine > 0.0 {
             offered[index] = cosine;
             let ray = Ray { origin: receiver.lifted, direction };
-            arrives[index] = if traced.is_occluded(&ray, f32::INFINITY) { 0.0 } else { cosine };
+            arrives[index] = cosine * f64::from(traced.transmittance(&ray, f32::INFINITY));
         }
     }
     [arrives, offered]

@@ -55,11 +55,11 @@ impl Tracer<'_> {
         if cosine <= 0.0 {
             return Vec3::ZERO;
         }
-        let arrives = |distance: f32| {
-            wi.dot(point.geometric_normal) > 0.0
-                && relief.hit(uv, wi).is_none()
-                && !self.scene.is_occluded(&Ray { origin: lifted, direction: wi }, distance)
-        };
+        if wi.dot(point.geometric_normal) <= 0.0 || relief.hit(uv, wi).is_some() {
+            return Vec3::ZERO;
+        }
+        let arrives =
+            |distance: f32| self.scene.transmittance(&Ray { origin: lifted, direction: wi }, distance);
         let (radiance, pdf) = light.evaluate(wi, arrives);
         if pdf > 0.0 { radiance * cosine / pdf as f32 } else { Vec3::ZERO }
     }

@@ -76,8 +76,8 @@ impl Aimed<'_, '_> {
     }
 
     /// Radiance that arrives from a direction, and the density with which [`Aimed::sample`] draws it [1/sr]. `arrives` is asked,
-    /// for each part that shines, whether light from that distance [m] reaches the surface.
-    pub(crate) fn evaluate(&self, wi: Vec3, arrives: impl Fn(f32) -> bool) -> (Vec3, f64) {
+    /// for each part that shines, what share of the light from that distance [m] reaches the surface.
+    pub(crate) fn evaluate(&self, wi: Vec3, arrives: impl Fn(f32) -> f32) -> (Vec3, f64) {
         let mut distant = Vec3::ZERO;
         let mut density = 0.0;
         if let Some((map, aim)) = &self.map {
@@ -91,15 +91,13 @@ impl Aimed<'_, '_> {
             }
         }
         let mut radiance = Vec3::ZERO;
-        if distant != Vec3::ZERO && arrives(f32::INFINITY) {
-            radiance = distant;
+        if distant != Vec3::ZERO {
+            radiance = distant * arrives(f32::INFINITY);
         }
         for seen in &self.near {
             if let Some((distance, light_pdf)) = seen.hit(wi) {
                 density += seen.weight * light_pdf;
-                if arrives(distance as f32) {
-                    radiance += seen.light.radiance;
-                }
+                radiance += seen.light.radiance * arrives(distance as f32);
             }
         }
         (radiance, if self.total > 0.0 { density / self.total } else { 0.0 })
@@ -254,7 +252,7 @@ mod tests {
         for index in 0..count {
             let u = sequence.pair(index, Decision::Direction);
             let choice = sequence.pair(index, Decision::Choice).x;
-            let (radiance, pdf) = aimed.evaluate(aimed.sample(u, choice).unwrap(), |_| true);
+            let (radiance, pdf) = aimed.evaluate(aimed.sample(u, choice).unwrap(), |_| 1.0);
             if pdf > 0.0 {
                 sum += radiance.as_dvec3() / pdf;
             }
@@ -283,6 +281,6 @@ mod tests {
         let nothing = Illumination::new(None, &[]);
         let dark = nothing.aim(Vec3::ZERO, Vec3::Y);
         assert!(dark.sample(DVec2::splat(0.3), 0.2).is_none());
-        assert_eq!(dark.evaluate(Vec3::X, |_| true), (Vec3::ZERO, 0.0));
+        assert_eq!(dark.evaluate(Vec3::X, |_| 1.0), (Vec3::ZERO, 0.0));
     }
 }

@@ -24,6 +24,8 @@ pub(crate) enum Decision {
     MirroredUnshadowedDirection,
     /// The choices for it.
     MirroredUnshadowedChoice,
+    /// Which of the surfaces that let light through a ray stops at: that of the camera, and that of a lobe.
+    Opacity,
 }
 
 /// Numbers of decisions from here on are those of paths.

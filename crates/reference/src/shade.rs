@@ -34,7 +34,8 @@ const GLOSSY_REFLECTION_SHARE: f64 = 0.5;
 impl Tracer<'_> {
     /// One unbiased estimate of the radiance that arrives along a camera ray.
     pub(crate) fn radiance(&self, ray: &Ray, sequence: &Sequence, index: u32) -> Vec3 {
-        let Some(hit) = self.scene.closest_hit(ray) else {
+        let opacity = sequence.pair(index, Decision::Opacity);
+        let Some(hit) = self.scene.closest_hit(ray, opacity.x) else {
             return self.behind(ray);
         };
         let wo = -ray.direction;
@@ -57,14 +58,14 @@ impl Tracer<'_> {
         if !(self.reflections && point.layers().lobe.is_present()) {
             return direct;
         }
-        let mirrored = Decision::Mirrored;
+        let mirrored = sequence.pair(index, Decision::Mirrored);
         let beyond = numbers([
             Decision::MirroredDirection,
             Decision::MirroredChoice,
             Decision::MirroredUnshadowedDirection,
             Decision::MirroredUnshadowedChoice,
         ]);
-        direct + self.mirrored(&point, wo, sequence.pair(index, mirrored), beyond)
+        direct + self.mirrored(&point, wo, (mirrored, opacity.y), beyond)
     }
 
     /// What a surface sends towards `wo` of direct light, and of its own.
@@ -78,7 +79,13 @@ impl Tracer<'_> {
     }
 
     /// What the glossy lobe reflects towards `wo` of the scene in direct light: one sample of the lobe.
-    fn mirrored(&self, point: &HitPoint, wo: Vec3, direction: DVec2, beyond: [DVec2; 4]) -> Vec3 {
+    fn mirrored(
+        &self,
+        point: &HitPoint,
+        wo: Vec3,
+        (direction, chance): (DVec2, f64),
+        beyond: [DVec2; 4],
+    ) -> Vec3 {
         let (frame, lobe) = (&point.frame, point.layers().lobe);
         let wo_local = frame.local_from_world(wo);
         let wi_local = lobe.sample(wo_local, to_vec2(direction));
@@ -91,7 +98,8 @@ impl Tracer<'_> {
         if reflectance == Vec3::ZERO || wi.dot(point.geometric_normal) <= 0.0 {
             return Vec3::ZERO;
         }
-        let Some(hit) = self.scene.closest_caster(&Ray { origin: point.lifted(), direction: wi }) else {
+        let ray = Ray { origin: point.lifted(), direction: wi };
+        let Some(hit) = self.scene.closest_caster(&ray, chance) else {
             return Vec3::ZERO;
         };
         let seen = self.scene.hit_point(&hit, -wi);
@@ -145,11 +153,11 @@ impl Tracer<'_> {
         if reflectance == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let arrives = |distance: f32| {
-            !shadowed
-                || (wi.dot(point.geometric_normal) > 0.0
-                    && point.relief.is_none_or(|(relief, uv)| relief.hit(uv, wi).is_none())
-                    && !self.scene.is_occluded(&Ray { origin: lifted, direction: wi }, distance))
+        let arrives = |distance: f32| match shadowed {
+            false => 1.0,
+            true if wi.dot(point.geometric_normal) <= 0.0 => 0.0,
+            true if point.relief.is_some_and(|(relief, uv)| relief.hit(uv, wi).is_some()) => 0.0,
+            true => self.scene.transmittance(&Ray { origin: lifted, direction: wi }, distance),
         };
         let (radiance, light_pdf) = light.evaluate(wi, arrives);
         let pdf = share * f64::from(layers.pdf(wo_local, wi_local)) + (1.0 - share) * light_pdf;

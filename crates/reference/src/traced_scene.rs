@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::{Mat3, Vec2, Vec3, Vec3A};
 use gnomon_brdf::{Frame, Layers, Surface, Tables};
 use gnomon_scene::{
-    Gradients, Material, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix,
+    AlphaMode, Gradients, Material, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix,
 };
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -38,8 +38,8 @@ struct Instance {
     handedness: f32,
     /// Of its material, where its model is tabulated.
     tables: Option<Arc<Tables>>,
-    /// Has an alpha mask.
-    has_holes: bool,
+    /// Lets rays through, all of them in some places or some of them everywhere.
+    has_alpha: bool,
     /// Is a catcher, which blocks no light.
     catches: bool,
     /// Its vertices, where a skin or morph targets move them.
@@ -132,7 +132,7 @@ impl<'a> TracedScene<'a> {
                 tables: mesh.material.and_then(|material| tables[material.0].clone()),
                 normal_from_mesh,
                 handedness,
-                has_holes: scene.material(placed.mesh).alpha_mode.cutoff().is_some(),
+                has_alpha: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
                 catches: scene.material(placed.mesh).catches,
                 deformed,
             });
@@ -141,40 +141,59 @@ impl<'a> TracedScene<'a> {
         Ok(Self { scene, instances, bvh, triangles })
     }
 
-    /// The nearest visible surface along a ray.
-    pub(crate) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, |_| true)
+    /// The surface that a ray stops at: the nearest one, or one behind it where that lets rays through. Then `chance`, uniform in [0, 1),
+    /// decides: what of it lies beyond a surface's opacity is the chance at those behind.
+    pub(crate) fn closest_hit(&self, ray: &Ray, chance: f64) -> Option<Hit> {
+        self.closest(ray, chance, |_| true)
     }
 
-    /// The nearest surface along a ray that blocks light.
-    pub(crate) fn closest_caster(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray, |index| !self.catches(index))
+    /// The same among surfaces that block light.
+    pub(crate) fn closest_caster(&self, ray: &Ray, chance: f64) -> Option<Hit> {
+        self.closest(ray, chance, |index| !self.catches(index))
     }
 
     fn catches(&self, triangle: usize) -> bool {
         self.instances[self.triangles[triangle].instance as usize].catches
     }
 
-    fn closest(&self, ray: &Ray, counts: impl Fn(usize) -> bool) -> Option<Hit> {
-        let mut nearest = RayHit::none();
+    fn closest(&self, ray: &Ray, mut chance: f64, counts: impl Fn(usize) -> bool) -> Option<Hit> {
         let traversal = traversal_ray(ray)?;
-        self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
-            let met = self.distance(ray, index).filter(|&t| t < traversal.tmax);
-            met.filter(|_| counts(index)).unwrap_or(f32::INFINITY)
-        });
-        let triangle = nearest.primitive_id;
-        let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
-        Some(Hit { triangle, barycentrics })
+        let mut passed = 0.0;
+        loop {
+            let mut nearest = RayHit::none();
+            self.bvh.ray_traverse(traversal, &mut nearest, |traversal, index| {
+                let met = self.met(ray, index).map(|(t, _)| t);
+                let met = met.filter(|&t| t > passed && t < traversal.tmax);
+                met.filter(|_| counts(index)).unwrap_or(f32::INFINITY)
+            });
+            let triangle = nearest.primitive_id;
+            let (_, barycentrics) = self.triangles.get(triangle as usize)?.intersect(ray)?;
+            let hit = Hit { triangle, barycentrics };
+            let opacity = f64::from(self.opacity(&hit));
+            if chance < opacity {
+                return Some(hit);
+            }
+            chance = (chance - opacity) / (1.0 - opacity);
+            passed = nearest.t;
+        }
     }
 
-    /// Whether anything lies along a ray before `distance` [m], which may be infinite.
-    pub(crate) fn is_occluded(&self, ray: &Ray, distance: f32) -> bool {
-        let Some(mut traversal) = traversal_ray(ray) else { return false };
+    /// Share of the light along a ray that nothing stops before `distance` [m], which may be infinite.
+    pub(crate) fn transmittance(&self, ray: &Ray, distance: f32) -> f32 {
+        let Some(mut traversal) = traversal_ray(ray) else { return 1.0 };
         // A lamp may touch what it hangs on: that is behind its front.
         traversal.tmax = distance * (1.0 - END_CLEARANCE);
-        !self.bvh.ray_traverse_miss(traversal, |_, index| {
-            self.distance(ray, index).filter(|_| !self.catches(index)).unwrap_or(f32::INFINITY)
-        })
+        let mut left = 1.0;
+        let missed = self.bvh.ray_traverse_miss(traversal, |traversal, index| {
+            match self.met(ray, index).filter(|_| !self.catches(index)) {
+                Some((t, opacity)) if t < traversal.tmax && opacity < 1.0 => {
+                    left *= 1.0 - opacity;
+                    f32::INFINITY
+                }
+                met => met.map_or(f32::INFINITY, |(t, _)| t),
+            }
+        });
+        if missed { left } else { 0.0 }
     }
 
     /// Everything about a hit that shading needs, for a viewer towards `wo`.
@@ -231,14 +250,20 @@ impl<'a> TracedScene<'a> {
         Some((Relief { map, scale: height.scale, gradients, n }, height.transform(uvs[height.set])))
     }
 
-    /// Distance to a triangle where the ray meets it outside the holes of its mask.
-    fn distance(&self, ray: &Ray, index: usize) -> Option<f32> {
-        let triangle = &self.triangles[index];
-        let (t, barycentrics) = triangle.intersect(ray)?;
+    /// Distance to a triangle, and its opacity there, where it has any.
+    fn met(&self, ray: &Ray, index: usize) -> Option<(f32, f32)> {
+        let (t, barycentrics) = self.triangles[index].intersect(ray)?;
+        let opacity = self.opacity(&Hit { triangle: index as u32, barycentrics });
+        (opacity > 0.0).then_some((t, opacity))
+    }
+
+    fn opacity(&self, hit: &Hit) -> f32 {
+        let triangle = &self.triangles[hit.triangle as usize];
         let instance = &self.instances[triangle.instance as usize];
-        let visible = !instance.has_holes
-            || self.scene.visible_at(instance.mesh, triangle.index as usize, barycentrics);
-        visible.then_some(t)
+        match instance.has_alpha {
+            true => self.scene.opacity_at(instance.mesh, triangle.index as usize, hit.barycentrics),
+            false => 1.0,
+        }
     }
 }
 

@@ -153,6 +153,24 @@ fn holes_let_camera_and_shadow_rays_pass() {
     assert_ne!(render(&plain, &camera, &map, &options(16)).unwrap(), expected);
 }
 
+/// Sheets of an alpha stop that share of what is seen through them and of the light that falls through them.
+#[test]
+fn what_blends_stops_its_share_of_camera_and_shadow_rays() {
+    let map = constant_environment(Vec3::ONE);
+    let sheet = |height: f32| (floor(500.0, height), lambert(0.0));
+    // From below two sheets: the floor is lit through both.
+    let mut scene = scene(vec![(floor(5.0, 0.0), lambert(0.5)), sheet(1.0), sheet(2.0)]);
+    for (material, alpha) in scene.materials[1..].iter_mut().zip([0.3, 0.5]) {
+        (material.alpha, material.alpha_mode) = (alpha, AlphaMode::Blend);
+    }
+    let found = render(&scene, &downward_strip(0.9, 0.4), &map, &options(256)).unwrap().mean;
+    assert!((found.get(16, 12).x / (0.5 * 0.7 * 0.5) - 1.0).abs() < 0.02, "{}", found.get(16, 12));
+    // From above them: black sheets, and the floor through them.
+    let found = render(&scene, &downward_strip(3.0, 0.4), &map, &options(4096)).unwrap().mean;
+    let mean = found.texels().iter().sum::<Vec3>() / found.texels().len() as f32;
+    assert!((mean.x / (0.5 * 0.35 * 0.35) - 1.0).abs() < 0.02, "{mean}");
+}
+
 #[test]
 fn darkness_is_black_and_emission_shines() {
     let (mut scene, camera, _) = still_life();

@@ -10,12 +10,10 @@ use gnomon_scene::{HeightMap, Scene};
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2};
-use crate::gbuffer::{self, GBuffer};
-use crate::geometry::Geometry;
-use crate::materials::{Materials, address};
+use crate::gbuffer::{self, DrawnScene, GBuffer};
+use crate::materials::address;
 use crate::mip_chain::{half_bytes, mip_chain};
 use crate::recorder::Recorder;
-use crate::shadow::depth_maps::DEPTH_FORMAT;
 use crate::{Gpu, RenderError};
 
 choices! {
@@ -183,13 +181,7 @@ impl ReliefPass {
             &shader,
             "relief_fragment",
             &groups,
-            wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::Equal),
-                stencil: Default::default(),
-                bias: Default::default(),
-            },
+            (&[gbuffer::FORMAT; 2], wgpu::CompareFunction::Equal),
         );
         Ok(Self { layout, pipeline })
     }
@@ -253,25 +245,17 @@ impl ReliefPass {
         &self,
         recorder: &mut Recorder<'_>,
         target: &GBuffer,
-        view_group: &wgpu::BindGroup,
-        (geometry, materials): (&Geometry, &Materials),
+        scene: DrawnScene<'_>,
         relief: &Relief,
     ) {
         let Some(images) = &target.relief else { return };
         let mut pass = target.begin_pass(recorder, "relief", images, None);
-        gbuffer::draw(
-            &mut pass,
-            &self.pipeline,
-            target,
-            view_group,
-            (geometry, materials),
-            |pass, material| {
-                let group = relief.group(material);
-                if let Some(group) = group {
-                    pass.set_bind_group(layout::GROUP_PASS, group, &[]);
-                }
-                group.is_some()
-            },
-        );
+        gbuffer::draw(&mut pass, &self.pipeline, target, scene, |pass, range| {
+            let group = relief.group(scene.materials.number(range.material));
+            if let Some(group) = group {
+                pass.set_bind_group(layout::GROUP_PASS, group, &[]);
+            }
+            group.is_some()
+        });
     }
 }

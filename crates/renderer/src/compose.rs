@@ -10,6 +10,46 @@ use crate::{Gpu, RenderError};
 
 pub(crate) const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+/// What is composed, before it is resolved.
+pub(crate) struct Composed {
+    /// Values along a pixel's side: 1, or the samples of a debug view.
+    pub side: u32,
+    pub texture: wgpu::Texture,
+    pub values: wgpu::TextureView,
+    texture_in_front: wgpu::Texture,
+    /// Of the layers in front of the one that is composed.
+    pub in_front: wgpu::TextureView,
+}
+
+impl Composed {
+    /// Of a picture of `size` pixels, with layers or without.
+    pub fn new(gpu: &Gpu, size: [u32; 2], side: u32, has_layers: bool) -> Self {
+        let read = wgpu::TextureUsages::TEXTURE_BINDING;
+        let [width, height] = size.map(|pixels| pixels * side);
+        let usage = read | wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let texture = gpu.texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage);
+        let [width, height] = if has_layers { [width, height] } else { [1, 1] };
+        let usage = read | wgpu::TextureUsages::COPY_DST;
+        let in_front = gpu.texture("composed in front", [width, height, 1], 1, RADIANCE_FORMAT, usage);
+        Self {
+            side,
+            values: texture.create_view(&Default::default()),
+            texture,
+            in_front: in_front.create_view(&Default::default()),
+            texture_in_front: in_front,
+        }
+    }
+
+    /// Ends a layer: what is composed so far lies in front of the next one.
+    fn end_layer(&self, recorder: &mut Recorder<'_>) {
+        recorder.encoder.copy_texture_to_texture(
+            self.texture.as_image_copy(),
+            self.texture_in_front.as_image_copy(),
+            self.texture_in_front.size(),
+        );
+    }
+}
+
 /// Makes radiance of the sums of light, with one compositing rule.
 pub(crate) struct ComposePass {
     environment_layout: wgpu::BindGroupLayout,
@@ -70,22 +110,27 @@ impl ComposePass {
         gpu.bind_group("environment", &self.environment_layout, &resources)
     }
 
-    /// A picture of `width` x `height` pixels; `groups` are those of frame and surface.
+    /// Adds a layer of surfaces that light passes, or what lies behind all, to a picture of `width` x `height` pixels; `groups` are those of frame and surface.
     pub fn encode(
         &self,
         recorder: &mut Recorder<'_>,
         [frame, surface]: [&wgpu::BindGroup; 2],
         [width, height]: [u32; 2],
-        points: &ShadingPoints,
+        (points, composed): (&ShadingPoints, &Composed),
+        layer: u32,
     ) {
+        let Some([smooth, edges]) = points.compose_groups.get(layer as usize) else { return };
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        let [smooth, edges] = &points.compose_groups;
         let groups =
             [(layout::GROUP_FRAME, frame), (layout::GROUP_SURFACE, surface), (layout::GROUP_PASS, smooth)];
         set_groups(&mut pass, &groups);
         pass.dispatch_workgroups(width.div_ceil(layout::TILE), height.div_ceil(layout::TILE), 1);
         pass.set_bind_group(layout::GROUP_PASS, edges, &[]);
         pass.dispatch_workgroups_indirect(&points.work, 4 * u64::from(layout::WORK_EDGE_DISPATCH));
+        drop(pass);
+        if layer as usize + 1 < points.compose_groups.len() {
+            composed.end_layer(recorder);
+        }
     }
 }

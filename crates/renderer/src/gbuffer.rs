@@ -1,14 +1,18 @@
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2, Groups, Shader};
-use crate::geometry::Geometry;
+use crate::geometry::{DrawRange, Geometry};
 use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::shadow::depth_maps::DEPTH_FORMAT;
 use crate::{Gpu, RenderError};
 
+mod layers;
+
+pub(crate) use layers::Layers;
+
 /// Of both images, 32 bytes a sample together: WebGPU's default limit.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 
 /// Of [`Geometry::vertex_buffers`], as `gbuffer.wgsl` names their attributes.
 pub(crate) const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 4] = [
@@ -26,11 +30,12 @@ pub(crate) const fn vertex_buffer(
     Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
 }
 
-/// Textures of `gbuffer.wgsl`'s outputs, one texel a sample, and one surface: a further layer would be another of these.
+/// Textures of `gbuffer.wgsl`'s outputs, one texel a sample, and one surface. Layers of surfaces that light passes are in it in turn.
 pub(crate) struct GBuffer {
     /// Parts a side that the samples are drawn in, see `sample_places.wgsl`.
     pub interleave: u32,
     pub size: [u32; 2],
+    depth_texture: wgpu::Texture,
     pub depth: wgpu::TextureView,
     /// Geometry and reflectance, as `gbuffer_packing.wgsl` has them.
     images: [wgpu::TextureView; 2],
@@ -38,28 +43,49 @@ pub(crate) struct GBuffer {
     pub relief: Option<[wgpu::TextureView; 2]>,
     /// Surface bind group of the passes over the screen.
     pub group: wgpu::BindGroup,
+    pub layers: Layers,
+}
+
+/// What is in the G-buffer at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// What no light passes, but through holes.
+    Opaque,
+    /// One of the layers in front of it.
+    Layer(u32),
+    /// What lies behind all layers.
+    Rest,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawnScene<'a> {
+    pub view_group: &'a wgpu::BindGroup,
+    pub geometry: &'a Geometry,
+    pub materials: &'a Materials,
 }
 
 impl GBufferPass {
-    /// Textures for a picture of `size` samples, `samples` x `samples` a pixel.
+    /// Textures for a picture of `size` samples, `samples` x `samples` a pixel, and so many layers.
     pub fn target(
         &self,
         gpu: &Gpu,
         materials: &Materials,
         (size, samples): ([u32; 2], u32),
-        has_relief: bool,
+        (layers, has_relief): (u32, bool),
     ) -> GBuffer {
         let [width, height] = size;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-        let target = |label, format| {
-            gpu.texture(label, [width, height, 1], 1, format, usage).create_view(&Default::default())
-        };
-        let depth = target("gbuffer depth", DEPTH_FORMAT);
-        let images = ["gbuffer geometry", "gbuffer reflectance"].map(|label| target(label, FORMAT));
-        let relief = has_relief.then(|| ["relief frame", "relief lit"].map(|label| target(label, FORMAT)));
+        let texture = |label, format, usage| gpu.texture(label, [width, height, 1], 1, format, usage);
+        let target = |label| texture(label, FORMAT, usage).create_view(&Default::default());
+        let depth_texture = texture("gbuffer depth", DEPTH_FORMAT, usage | wgpu::TextureUsages::COPY_SRC);
+        let depth = depth_texture.create_view(&Default::default());
+        let images = ["gbuffer geometry", "gbuffer reflectance"].map(target);
+        let relief = has_relief.then(|| ["relief frame", "relief lit"].map(target));
         let group = self.read_group(gpu, materials, &depth, (&images, relief.as_ref()));
         let interleave = if samples.is_multiple_of(2) { 2 } else { 1 };
-        GBuffer { interleave, size, depth, images, relief, group }
+        let layers = Layers::new(gpu, &self.layers_layout, size, layers);
+        GBuffer { interleave, size, depth_texture, depth, images, relief, group, layers }
     }
 
     /// Surface bind group of the passes over the screen with other materials.
@@ -89,6 +115,33 @@ impl GBuffer {
         let (side, [width, height]) = (self.interleave, self.size.map(|side| side / self.interleave));
         (0..side * side).map(move |part| [part % side * width, part / side * height, width, height])
     }
+
+    /// A pass that draws into some of its images, cleared, and into its depths or before them.
+    pub fn begin_pass<'a>(
+        &self,
+        recorder: &'a mut Recorder<'_>,
+        label: &str,
+        images: &[wgpu::TextureView],
+        depth: Option<wgpu::LoadOp<f32>>,
+    ) -> wgpu::RenderPass<'a> {
+        let ops = wgpu::Operations {
+            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            store: wgpu::StoreOp::Store,
+        };
+        let image = |view| {
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        };
+        recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &images.iter().map(image).collect::<Vec<_>>(),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: depth.map(|load| wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        })
+    }
 }
 
 /// Draws what the camera sees.
@@ -98,9 +151,16 @@ pub(crate) struct GBufferPass {
     pub view_layout: wgpu::BindGroupLayout,
     /// Of what it draws, for the passes over the screen.
     pub read_layout: wgpu::BindGroupLayout,
+    layers_layout: wgpu::BindGroupLayout,
     /// In place of a scene's relief that has none.
     no_relief: [wgpu::TextureView; 2],
-    pipeline: wgpu::RenderPipeline,
+    /// Of what no light passes.
+    opaque: wgpu::RenderPipeline,
+    /// Opacity of a layer, then the rest of it.
+    layer_opacity: wgpu::RenderPipeline,
+    layer: wgpu::RenderPipeline,
+    /// Of what is behind all layers and light passes in part.
+    rest: wgpu::RenderPipeline,
 }
 
 impl GBufferPass {
@@ -118,26 +178,33 @@ impl GBufferPass {
         ];
         read.extend(crate::materials::tables::bindings());
         let read_layout = gpu.layout("gbuffer", wgpu::ShaderStages::COMPUTE, &read);
-        let shader = gpu.shader("gbuffer", &[])?;
-        let groups = [(layout::GROUP_FRAME, &view_layout), (layout::GROUP_SURFACE, &material_layout)];
-        let pipeline = pipeline(
-            gpu,
-            &shader,
-            "gbuffer_fragment",
-            &groups,
-            wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            },
-        );
+        let layers_layout = Layers::layout(gpu);
+        let (shader, of_layers) = (gpu.shader("gbuffer", &[])?, gpu.shader("gbuffer_layers", &[])?);
+        let surfaces = [(layout::GROUP_FRAME, &view_layout), (layout::GROUP_SURFACE, &material_layout)];
+        let with_layers = [&surfaces[..], &[(layout::GROUP_PASS, &layers_layout)]].concat();
+        let (nearest, known) = (wgpu::CompareFunction::Greater, wgpu::CompareFunction::Equal);
+        let both = &[FORMAT; 2];
         let no_relief = ["no relief frame", "no relief lit"].map(|label| {
             let usage = wgpu::TextureUsages::TEXTURE_BINDING;
             gpu.texture(label, [1, 1, 1], 1, FORMAT, usage).create_view(&Default::default())
         });
-        Ok(Self { material_layout, view_layout, read_layout, no_relief, pipeline })
+        Ok(Self {
+            opaque: pipeline(gpu, &shader, "gbuffer_fragment", &surfaces, (both, nearest)),
+            layer_opacity: pipeline(
+                gpu,
+                &of_layers,
+                "layer_opacity",
+                &with_layers,
+                (&[layers::OPACITY_FORMAT], nearest),
+            ),
+            layer: pipeline(gpu, &of_layers, "layer_fragment", &surfaces, (both, known)),
+            rest: pipeline(gpu, &of_layers, "rest_fragment", &with_layers, (both, nearest)),
+            material_layout,
+            view_layout,
+            read_layout,
+            layers_layout,
+            no_relief,
+        })
     }
 
     /// Bind group of the frame over the frame's view uniform.
@@ -145,57 +212,66 @@ impl GBufferPass {
         gpu.bind_group("view", &self.view_layout, &[(0, view.as_entire_binding())])
     }
 
-    pub fn encode(
+    /// Draws what is lit in turn: layer after layer, the last time what lies behind all of them. `drawn` is called in between.
+    ///
+    /// # Errors
+    /// Those of `drawn`.
+    pub fn encode<'a>(
         &self,
-        recorder: &mut Recorder<'_>,
+        recorder: &mut Recorder<'a>,
         target: &GBuffer,
-        view_group: &wgpu::BindGroup,
-        geometry: &Geometry,
-        materials: &Materials,
-    ) {
-        let depth = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
-        let mut pass = target.begin_pass(recorder, "gbuffer", &target.images, Some(depth));
-        draw(&mut pass, &self.pipeline, target, view_group, (geometry, materials), |_, _| true);
+        scene: DrawnScene<'_>,
+        mut drawn: impl FnMut(&mut Recorder<'a>, u32) -> Result<(), RenderError>,
+    ) -> Result<(), RenderError> {
+        let layers = &target.layers;
+        if layers.count > 0 {
+            self.draw(recorder, target, scene, Shown::Opaque);
+            layers.begin(recorder, &target.depth_texture);
+        }
+        for layer in 0..layers.count {
+            self.draw(recorder, target, scene, Shown::Layer(layer));
+            layers.peel(recorder, &target.depth_texture);
+            drawn(recorder, layer)?;
+        }
+        self.draw(recorder, target, scene, Shown::Rest);
+        drawn(recorder, layers.count)
     }
-}
 
-impl GBuffer {
-    /// A pass that draws into some of its images, cleared, and into its depths or before them.
-    pub fn begin_pass<'a>(
-        &self,
-        recorder: &'a mut Recorder<'_>,
-        label: &str,
-        images: &[wgpu::TextureView; 2],
-        depth_ops: Option<wgpu::Operations<f32>>,
-    ) -> wgpu::RenderPass<'a> {
-        let ops = wgpu::Operations {
-            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-            store: wgpu::StoreOp::Store,
+    fn draw(&self, recorder: &mut Recorder<'_>, target: &GBuffer, scene: DrawnScene<'_>, shown: Shown) {
+        let draw_some = |pass: &mut wgpu::RenderPass<'_>, pipeline, is_blended| {
+            pass.set_bind_group(layout::GROUP_PASS, &target.layers.group, &[]);
+            draw(pass, pipeline, target, scene, |_, range| range.is_blended() == is_blended);
         };
-        let attachments = images.each_ref().map(|view| {
-            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
-        });
-        recorder.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(label),
-            color_attachments: &attachments,
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops,
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        })
+        let mut depth = wgpu::LoadOp::Clear(0.0);
+        if let Shown::Layer(layer) = shown {
+            let opacities = &target.layers.opacities[layer as usize..][..1];
+            let mut pass = target.begin_pass(recorder, "opacities", opacities, Some(depth));
+            draw_some(&mut pass, &self.layer_opacity, true);
+            depth = wgpu::LoadOp::Load;
+        }
+        let mut pass = target.begin_pass(recorder, "gbuffer", &target.images, Some(depth));
+        match shown {
+            Shown::Layer(_) => draw_some(&mut pass, &self.layer, true),
+            Shown::Opaque => draw_some(&mut pass, &self.opaque, false),
+            Shown::Rest => {
+                draw_some(&mut pass, &self.opaque, false);
+                // Without layers, as in a debug view, the nearest surface is shown.
+                let behind = if target.layers.count > 0 { &self.rest } else { &self.opaque };
+                draw_some(&mut pass, behind, true);
+            }
+        }
     }
 }
 
-/// A pipeline over the scene's triangles with two images of [`FORMAT`].
+/// A pipeline over the scene's triangles. Of the depth it draws what is so; it keeps that, unless it is known.
 pub(crate) fn pipeline(
     gpu: &Gpu,
     shader: &Shader,
     fragment: &str,
     groups: Groups<'_>,
-    depth_stencil: wgpu::DepthStencilState,
+    (formats, depth): (&[wgpu::TextureFormat], wgpu::CompareFunction),
 ) -> wgpu::RenderPipeline {
+    let targets: Vec<_> = formats.iter().map(|&format| Some(format.into())).collect();
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: Some(&gpu.pipeline_layout(groups)),
@@ -207,27 +283,32 @@ pub(crate) fn pipeline(
         },
         // No culling: every surface is two-sided, as in the reference.
         primitive: Default::default(),
-        depth_stencil: Some(depth_stencil),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(depth != wgpu::CompareFunction::Equal),
+            depth_compare: Some(depth),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
         multisample: Default::default(),
         fragment: Some(wgpu::FragmentState {
             module: &shader.module,
             entry_point: Some(fragment),
             compilation_options: Default::default(),
-            targets: &[Some(FORMAT.into()), Some(FORMAT.into())],
+            targets: &targets,
         }),
         multiview_mask: None,
         cache: None,
     })
 }
 
-/// Draws the scene into every part of a target; `binds` takes the number of a material and says whether its meshes are drawn.
+/// Draws the scene into every part of a target; `binds` says which ranges, and may bind what those need.
 pub(crate) fn draw<'a>(
     pass: &mut wgpu::RenderPass<'a>,
     pipeline: &wgpu::RenderPipeline,
     target: &GBuffer,
-    view_group: &wgpu::BindGroup,
-    (geometry, materials): (&Geometry, &Materials),
-    binds: impl Fn(&mut wgpu::RenderPass<'a>, usize) -> bool,
+    DrawnScene { view_group, geometry, materials }: DrawnScene<'_>,
+    binds: impl Fn(&mut wgpu::RenderPass<'a>, &DrawRange) -> bool,
 ) {
     if geometry.index_count == 0 {
         return;
@@ -238,17 +319,15 @@ pub(crate) fn draw<'a>(
         pass.set_vertex_buffer(slot, buffer.slice(..));
     }
     pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-    let [width, height] = target.size.map(|side| side / target.interleave);
     let parts = target.interleave * target.interleave;
-    for part in 0..parts {
-        let (x, y) = (part % target.interleave * width, part / target.interleave * height);
+    for (part, [x, y, width, height]) in (0..).zip(target.parts()) {
         pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
         pass.set_scissor_rect(x, y, width, height);
         for range in &geometry.ranges {
-            let material = materials.number(range.material);
-            if !binds(pass, material) {
+            if !binds(pass, range) {
                 continue;
             }
+            let material = materials.number(range.material);
             pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(material), &[]);
             let instance = material as u32 * parts + part;
             pass.draw_indexed(range.indices.clone(), 0, instance..instance + 1);

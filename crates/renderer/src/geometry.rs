@@ -28,14 +28,21 @@ use vertices::{Slot, Vertices};
 pub(crate) struct DrawRange {
     /// Index into the scene's materials; `None` is the default material.
     pub material: Option<usize>,
-    /// Whether alpha cuts holes into it.
-    pub is_masked: bool,
+    /// Whether light passes it, in places or in part.
+    pub alpha_mode: AlphaMode,
     pub indices: Range<u32>,
 }
 
-fn is_masked(scene: &Scene, mesh: &Mesh) -> bool {
+impl DrawRange {
+    /// Whether light passes it in part.
+    pub fn is_blended(&self) -> bool {
+        self.alpha_mode == AlphaMode::Blend
+    }
+}
+
+fn alpha_mode(scene: &Scene, mesh: &Mesh) -> AlphaMode {
     let material = mesh.material.and_then(|material| scene.materials.get(material.0));
-    material.is_some_and(|material| material.alpha_mode.cutoff().is_some())
+    material.map_or(AlphaMode::Opaque, |material| material.alpha_mode)
 }
 
 /// The scene's triangles on the GPU: as they lie in their meshes, and in world space after the frame's first pass.
@@ -82,21 +89,21 @@ struct Kept {
     /// What people know it by.
     name: String,
     material: Option<MaterialId>,
-    mask: Option<Mask>,
+    alpha: Option<Alpha>,
     catches: bool,
     skin: Option<SkinId>,
-    /// Of a masked mesh.
+    /// Of a mesh with alpha.
     micromaps: Option<Arc<Micromaps>>,
 }
 
-/// What tells where an alpha mask has holes, beside the mesh.
-struct Mask {
+/// What tells where light passes a surface, beside the mesh.
+struct Alpha {
     mode: AlphaMode,
-    alpha: f32,
+    factor: f32,
     texture: Option<(TextureRef, Arc<Texture>)>,
 }
 
-impl PartialEq for Mask {
+impl PartialEq for Alpha {
     fn eq(&self, other: &Self) -> bool {
         let same_texture = match (&self.texture, &other.texture) {
             (Some((place, texture)), Some((other_place, other))) => {
@@ -104,18 +111,18 @@ impl PartialEq for Mask {
             }
             (texture, other) => texture.is_none() && other.is_none(),
         };
-        (self.mode, self.alpha) == (other.mode, other.alpha) && same_texture
+        (self.mode, self.factor) == (other.mode, other.factor) && same_texture
     }
 }
 
-impl Mask {
+impl Alpha {
     fn of(scene: &Scene, mesh: &Mesh) -> Option<Self> {
         let material = scene.materials.get(mesh.material?.0)?;
         let texture =
             |texture: TextureRef| Some((texture, Arc::clone(scene.textures.get(texture.texture.0)?)));
-        is_masked(scene, mesh).then(|| Self {
+        (material.alpha_mode != AlphaMode::Opaque).then(|| Self {
             mode: material.alpha_mode,
-            alpha: material.alpha,
+            factor: material.alpha,
             texture: material.base_color_texture.and_then(texture),
         })
     }
@@ -127,7 +134,7 @@ pub(crate) struct PlacedMesh<'a> {
     pub name: &'a str,
     /// Place of its first vertex among the frame's.
     pub first_vertex: u32,
-    /// Where it has a mask.
+    /// Where it has alpha.
     pub micromaps: Option<&'a Micromaps>,
     pub casts: bool,
 }
@@ -135,13 +142,13 @@ pub(crate) struct PlacedMesh<'a> {
 impl Kept {
     fn new(scene: &Scene, instance: &Instance) -> Self {
         let mesh = Arc::clone(&scene.meshes[instance.mesh.0]);
-        let mask = Mask::of(scene, &mesh);
+        let alpha = Alpha::of(scene, &mesh);
         let catches = scene.material(instance.mesh).catches;
         let name = match scene.nodes.get(instance.node.0).map(|node| node.name.as_str()) {
             None | Some("") => format!("mesh {}", instance.mesh.0),
             Some(node) => format!("mesh {} of {node}", instance.mesh.0),
         };
-        Self { material: mesh.material, name, mask, catches, mesh, skin: instance.skin, micromaps: None }
+        Self { material: mesh.material, name, alpha, catches, mesh, skin: instance.skin, micromaps: None }
     }
 }
 
@@ -150,7 +157,7 @@ impl PartialEq for Kept {
         // A mesh that was made anew, such as a ground, may be the same.
         let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh) || self.mesh == other.mesh;
         let rest = |kept: &Self| (kept.material, kept.catches, kept.skin);
-        same_mesh && rest(self) == rest(other) && self.mask == other.mask
+        same_mesh && rest(self) == rest(other) && self.alpha == other.alpha
     }
 }
 
@@ -198,10 +205,10 @@ impl Geometry {
             let whole = indices.push(&mesh.triangles, slot.first_vertex, known);
             runs.push(Run { whole: whole.clone(), simpler: Vec::new() });
             let material = mesh.material.map(|material| material.0);
-            let is_masked = is_masked(scene, mesh);
+            let alpha_mode = alpha_mode(scene, mesh);
             match ranges.last_mut() {
                 Some(range) if range.material == material => range.indices.end = whole.end,
-                _ => ranges.push(DrawRange { material, is_masked, indices: whole.clone() }),
+                _ => ranges.push(DrawRange { material, alpha_mode, indices: whole.clone() }),
             }
             let world_from_mesh = placement.world_from_mesh;
             let new_box = |bounds, indices| InstanceBox {
@@ -225,7 +232,7 @@ impl Geometry {
                     boxes.extend(around.map(|bounds| new_box(bounds, Some(whole.clone()))));
                     continue;
                 }
-                if !is_masked {
+                if alpha_mode == AlphaMode::Opaque {
                     simpler.push((boxes.len(), &detail.simpler, instance));
                 }
                 let index = |triangle: usize| whole.start + 3 * triangle as u32;
@@ -331,12 +338,18 @@ impl Geometry {
         })
     }
 
-    /// Parts of `indices` that are drawn with holes, each with its range's material, and those that are drawn whole.
+    /// Most surfaces behind one another of those that light passes in part: the number of their triangles.
+    pub fn most_layers(&self) -> u32 {
+        let blended = self.ranges.iter().filter(|range| range.is_blended());
+        blended.map(|range| range.indices.len() as u32 / 3).sum()
+    }
+
+    /// Parts of `indices` that light passes, each with its range's material, and those that are drawn whole.
     pub fn split_masked(&self, indices: &[Range<u32>]) -> (Vec<DrawRange>, Vec<Range<u32>>) {
         let (mut masked, mut whole) = (Vec::new(), Vec::new());
         for indices in indices {
             let mut start = indices.start;
-            for range in self.ranges.iter().filter(|range| range.is_masked) {
+            for range in self.ranges.iter().filter(|range| range.alpha_mode != AlphaMode::Opaque) {
                 let part = range.indices.start.max(start)..range.indices.end.min(indices.end);
                 if part.is_empty() {
                     continue;
@@ -428,12 +441,12 @@ impl Geometry {
     }
 }
 
-/// What of every instance stays, with the holes of masks.
+/// What of every instance stays, with the opacities that rays meet.
 fn kept(scene: &Scene, placed: &[Instance]) -> Vec<Kept> {
     let mut micromaps: HashMap<usize, Arc<Micromaps>> = HashMap::new();
     let mut kept = |instance: &Instance| {
         let mut kept = Kept::new(scene, instance);
-        if kept.mask.is_some() {
+        if kept.alpha.is_some() {
             let made = || Arc::new(Micromaps::new(scene, instance.mesh));
             kept.micromaps = Some(micromaps.entry(address(&kept.mesh)).or_insert_with(made).clone());
         }

@@ -91,6 +91,8 @@ pub(crate) struct LitScene<'a> {
     pub points: &'a ShadingPoints,
     /// Of the bands of a picture.
     pub is_first_band: bool,
+    /// Of what is lit in a band, layer after layer: the maps of others are those of the first.
+    pub is_first_layer: bool,
 }
 
 impl LightBatches {
@@ -326,8 +328,7 @@ impl LightBatches {
         let of_list = |batch: &&Batch| self.classes[batch.class].needs.points == stage.list;
         for batch in self.batches.iter().filter(of_list) {
             let shadows = &self.classes[batch.class].shadows;
-            let frame =
-                FrameInputs { same_lights: !self.takes_turns(batch), ..self.frame(batch, scene, stage) };
+            let frame = self.frame(batch, scene, stage);
             if batch.fitted.uniforms.iter().any(|light| light.group == group) {
                 shadows.prepare(recorder, &frame)?;
             }
@@ -356,8 +357,8 @@ impl LightBatches {
 
     /// The frame as the technique sees it for a batch.
     fn frame<'a>(&'a self, batch: &'a Batch, scene: LitScene<'a>, stage: &'a PointStage) -> FrameInputs<'a> {
-        let takes_turns = self.takes_turns(batch);
-        let is_first_call = scene.is_first_band && stage.lists_tiles();
+        let is_stale =
+            scene.is_first_layer && stage.lists_tiles() && (scene.is_first_band || self.is_refitted);
         FrameInputs {
             geometry: scene.geometry,
             materials: scene.materials,
@@ -372,7 +373,7 @@ impl LightBatches {
                 casters: &batch.fitted.casters,
                 group: &batch.lights_group,
             },
-            same_lights: !(takes_turns || is_first_call || stage.lists_tiles() && self.is_refitted),
+            same_lights: !(self.takes_turns(batch) || is_stale),
         }
     }
 }

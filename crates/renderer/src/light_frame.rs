@@ -5,6 +5,7 @@ use gnomon_scene::Bounds;
 use gnomon_shaders::layout;
 
 use crate::casters::PlacedBoxes;
+use crate::ground::Ground;
 use crate::view_slices::ViewSlice;
 
 /// Texels left free around the scene in every shadow map, so that clamped lookups at the border find no blocker.
@@ -58,11 +59,17 @@ struct Extent {
 fn extent(light: &DistantLight, scene: &PlacedBoxes, seen: &ViewSlice) -> Extent {
     let mut held: Vec<Vec3> = Vec::new();
     let mut blocking = Vec::new();
+    let is_lit = |ground: &Ground| ground.bears_towards(light.direction);
+    let receives_outside =
+        scene.boxes.iter().any(|place| !place.casts || place.ground.as_ref().is_some_and(is_lit));
     for place in &scene.boxes {
         match &place.ground {
             _ if !place.casts => {}
-            Some(ground) if ground.bears_towards(light.direction) => {}
-            Some(ground) if ground.bears_towards(-light.direction) => blocking.push((ground, &place.corners)),
+            Some(ground) if is_lit(ground) => {}
+            // A roof over it blocks beside the models, too.
+            Some(ground) if !receives_outside && ground.bears_towards(-light.direction) => {
+                blocking.push((ground, &place.corners));
+            }
             _ => held.extend(place.corners),
         }
     }
@@ -232,6 +239,20 @@ mod tests {
             let step = (p.z - towards.z) * uniform.depth_range_world;
             assert!((step - 0.1).abs() < 1e-5 && (towards - p).truncate().length() < 1e-5);
         }
+    }
+
+    #[test]
+    fn a_roof_over_a_ground_lies_in_the_map() {
+        let place = |min: Vec3, max: Vec3| crate::casters::tests::placed(min, max);
+        let p = Vec3::new;
+        let model = place(p(-0.3, 0.0, -0.3), p(0.3, 0.6, 0.3));
+        let [floor, roof] =
+            [(-3.0, 0.0), (1.0, 1.0)].map(|(from, y)| place(p(from, y, -3.0), p(3.0, y, 3.0)));
+        let boxes = PlacedBoxes::new(&[floor, model, roof]);
+        let light = DistantLight::disk(DVec3::new(0.2, 0.9, 0.1).normalize(), 0.05, DVec3::ONE);
+        let uniform = light_uniform(&light, &boxes, &ViewSlice::WHOLE, 256, 1.0);
+        let corner = uniform.light_from_world.transform_point3(p(3.0, 1.0, 3.0));
+        assert!(corner.abs().max_element() < 1.0, "{corner}");
     }
 
     #[test]

@@ -69,8 +69,7 @@ impl<'a> Recorder<'a> {
             Clock::Stamps(stamps) => stamps.write(self.encoder, name),
             #[cfg(not(target_arch = "wasm32"))]
             Clock::Wall { pass_began, times } => {
-                let encoder = std::mem::replace(self.encoder, new_encoder(self.gpu));
-                self.gpu.queue.submit([encoder.finish()]);
+                submit(self.gpu, self.encoder);
                 self.gpu.wait()?;
                 let milliseconds = pass_began.elapsed().as_secs_f64() * 1e3;
                 add_times(times, [PassTiming { name, milliseconds }]);
@@ -78,6 +77,11 @@ impl<'a> Recorder<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Submits what is recorded so far: what is written from now on is for what follows.
+    pub fn submit(&mut self) {
+        submit(self.gpu, self.encoder);
     }
 
     /// What was timed.
@@ -89,6 +93,11 @@ impl<'a> Recorder<'a> {
             Clock::Wall { times, .. } => FrameTimings::Known(times),
         }
     }
+}
+
+fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+    let recorded = std::mem::replace(encoder, new_encoder(gpu));
+    gpu.queue.submit([recorded.finish()]);
 }
 
 pub(crate) fn new_encoder(gpu: &Gpu) -> wgpu::CommandEncoder {

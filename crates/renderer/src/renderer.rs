@@ -6,6 +6,7 @@ use gnomon_scene::{PlacedLight, Scene};
 use gnomon_shaders::layout;
 
 use crate::bumps::{MaterialHeights, Relief, ReliefPass};
+use crate::compose::Composed;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -29,6 +30,7 @@ mod draw;
 mod layers;
 mod set;
 mod state;
+mod surfaces;
 mod timing;
 
 pub use change::{Change, LightingChange, SceneChange};
@@ -101,9 +103,7 @@ struct Target {
     gbuffer: GBuffer,
     /// Where lights are summed.
     points: ShadingPoints,
-    /// Values along a pixel's side of what is composed: 1, or the samples of a debug view.
-    composed: u32,
-    values: wgpu::Texture,
+    composed: Composed,
     output: Output,
     seen: Option<SeenTarget>,
 }

@@ -124,6 +124,9 @@ settings! {
         /// Where the share of light that arrives changes by more from one tile to the next, light is summed at each pixel, that of sharp
         /// lights at each sample; 1 leaves that out.
         shadow_contrast: f32 = 0.2, number(0.0, 1.0).under(SAMPLING);
+        /// Surfaces behind one another that are lit each by itself where light passes them in part; of those farther behind each sample shows
+        /// one by chance. Nothing where a scene has none.
+        blended_layers: u32 = 4, whole(1, 16).under(SAMPLING);
     } with {
         /// Parameters of the techniques.
         shadow_settings: ShadowSettings;

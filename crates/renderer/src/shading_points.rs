@@ -1,7 +1,7 @@
 use gnomon_shaders::layout;
 
-use crate::bindings::{Binding, D2, set_groups};
-use crate::compose::RADIANCE_FORMAT;
+use crate::bindings::{Binding, D2, D2_ARRAY, set_groups};
+use crate::compose::{Composed, RADIANCE_FORMAT};
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError, TechniqueSettings};
 
@@ -9,10 +9,10 @@ use crate::{Gpu, RenderError, TechniqueSettings};
 /// point stands for a tile of samples; samples unlike the points around them have their own. Points are listed in stages.
 pub(crate) struct ShadingPoints {
     pub stages: Vec<PointStage>,
-    /// Own bind groups of the passes that make a picture of the sums: over all pixels, and over edge pixels.
-    pub compose_groups: [wgpu::BindGroup; 2],
+    /// Own bind groups of the passes that make a picture of the sums, layer by layer: over all pixels, and over edge pixels.
+    pub compose_groups: Vec<[wgpu::BindGroup; 2]>,
     /// A [`layout::Composition`] for each of these.
-    composed: [wgpu::Buffer; 2],
+    composed: Vec<[wgpu::Buffer; 2]>,
     /// Account of points: arguments of indirect dispatches, edge pixels.
     pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
@@ -115,15 +115,14 @@ pub(crate) fn samplings(techniques: &TechniqueSettings) -> Vec<u32> {
     if sharp < wide { vec![wide, sharp] } else { vec![wide] }
 }
 
-fn composition(over_edges: u32, part: u32) -> layout::Composition {
-    layout::Composition { over_edges, part }
-}
-
 impl ShadingPoints {
     /// What is composed from the next submission on, a PART constant.
     pub fn compose_part(&self, gpu: &Gpu, part: u32) {
-        for (over_edges, buffer) in (0..).zip(&self.composed) {
-            gpu.write(buffer, &composition(over_edges, part));
+        let layer_count = self.composed.len() as u32 - 1;
+        for (layer, pair) in (0..).zip(&self.composed) {
+            for (over_edges, buffer) in (0..).zip(pair) {
+                gpu.write(buffer, &layout::Composition { over_edges, part, layer, layer_count });
+            }
         }
     }
 }
@@ -252,6 +251,7 @@ impl ShadingPointsPass {
         let list_layout = numbered("shading points", &listed);
         let module = gpu.shader("shading_points", &[])?;
         let picture = Binding::StorageTexture { format: RADIANCE_FORMAT, dimension: D2 };
+        let layers = Binding::Texture { dimension: D2_ARRAY, filterable: false };
         let groups = [
             (layout::GROUP_FRAME, view_layout),
             (layout::GROUP_SURFACE, gbuffer_layout),
@@ -265,7 +265,19 @@ impl ShadingPointsPass {
             ),
             compose_layout: numbered(
                 "sums to compose",
-                &[read, read, read, read, read, read, read, picture, Binding::Uniform],
+                &[
+                    read,
+                    read,
+                    read,
+                    read,
+                    read,
+                    read,
+                    read,
+                    picture,
+                    Binding::Uniform,
+                    layers,
+                    Binding::LOADED,
+                ],
             ),
             find_edges: pipeline("find_edges"),
             edge_dispatch: pipeline("edge_dispatch"),
@@ -278,7 +290,7 @@ impl ShadingPointsPass {
         })
     }
 
-    /// Buffers for a picture, which becomes `radiance`.
+    /// Buffers for a picture, which becomes `target`, and the opacities of its layers.
     ///
     /// # Errors
     /// [`RenderError::OverLimit`] where the adapter allows no buffer that large.
@@ -286,7 +298,8 @@ impl ShadingPointsPass {
         &self,
         gpu: &Gpu,
         plan: PointPlan,
-        radiance: &wgpu::TextureView,
+        target: &Composed,
+        (layer_count, opacities): (u32, &wgpu::TextureView),
     ) -> Result<ShadingPoints, RenderError> {
         let capacity = plan.capacity();
         let (wanted, limit) = (plan.largest_buffer(), gpu.largest_storage());
@@ -343,17 +356,25 @@ impl ShadingPointsPass {
             }
         });
         let stages = stages.collect();
-        let composed = [0, 1].map(|over_edges: u32| {
-            let uniform = wgpu::BufferUsages::UNIFORM;
-            gpu.shared_buffer("composition", &composition(over_edges, layout::PART_PICTURE), uniform)
-        });
-        let compose_groups = composed.each_ref().map(|composition| {
+        let composed: Vec<_> = (0..=layer_count)
+            .map(|layer| {
+                [0, 1].map(|over_edges: u32| {
+                    let part = layout::PART_PICTURE;
+                    let composition = layout::Composition { over_edges, part, layer, layer_count };
+                    gpu.shared_buffer("composition", &composition, wgpu::BufferUsages::UNIFORM)
+                })
+            })
+            .collect();
+        let compose_group = |composition: &wgpu::Buffer| {
             let buffers = [&points, &work, &point_of_tile, &point_of_sample, &diffuse, &specular, &near];
             let mut resources: Vec<_> = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding())).collect();
-            resources.push((7, wgpu::BindingResource::TextureView(radiance)));
+            resources.push((7, wgpu::BindingResource::TextureView(&target.values)));
             resources.push((8, composition.as_entire_binding()));
+            resources.push((9, wgpu::BindingResource::TextureView(opacities)));
+            resources.push((10, wgpu::BindingResource::TextureView(&target.in_front)));
             gpu.bind_group("sums to compose", &self.compose_layout, &resources)
-        });
+        };
+        let compose_groups = composed.iter().map(|pair| pair.each_ref().map(compose_group)).collect();
         Ok(ShadingPoints {
             stages,
             compose_groups,

@@ -24,7 +24,7 @@ use std::path::Path;
 use glam::Vec3;
 use gnomon_messages::quoted;
 use gnomon_picture::rec709_from_xyz;
-use gnomon_scene::{AlphaMode, Material, MaterialId, Scene};
+use gnomon_scene::{AlphaMode, Material, MaterialId, Scene, Texture};
 
 use super::{Budget, Source, text};
 use crate::error::Fault;
@@ -255,8 +255,13 @@ impl Entry {
         // A transparency of 1 alone is an opacity: nobody describes what is not seen.
         let from_transparency =
             self.transparency.filter(|tr| *tr < 1.0).map(|transparency| 1.0 - transparency);
-        if self.opacity.or(from_transparency).unwrap_or(1.0) < 1.0 {
-            scene.warnings.push(format!("material '{}' is transparent: shown opaque", material.name));
+        material.alpha = self.opacity.or(from_transparency).unwrap_or(1.0).clamp(0.0, 1.0);
+        if material.alpha == 0.0 {
+            scene.warnings.push(format!("material '{}' would not be seen: shown opaque", material.name));
+            material.alpha = 1.0;
+        }
+        if material.alpha < 1.0 {
+            material.alpha_mode = AlphaMode::Blend;
         }
         let lies_alike =
             |holes: &&Map| self.base.as_ref().is_none_or(|base| base.uv_from_mesh == holes.uv_from_mesh);
@@ -268,10 +273,10 @@ impl Entry {
             ));
         }
         material.base_color_texture = pictures.texture(self.base.as_ref(), holes, places, budget, scene)?;
-        if let (Some(texture), Some(_)) = (material.base_color_texture, holes)
-            && scene.textures[texture.texture.0].rgba8.iter().any(|texel| texel[3] < 255)
+        if let (Some(texture), Some(_), AlphaMode::Opaque) =
+            (material.base_color_texture, holes, material.alpha_mode)
         {
-            material.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+            material.alpha_mode = alpha_mode(&scene.textures[texture.texture.0]);
         }
         if self.base.is_some()
             && material.base_color_texture.is_some()
@@ -290,6 +295,18 @@ impl Entry {
             material.height = pictures.heights(map, places, budget, scene)?;
         }
         Ok(material)
+    }
+}
+
+/// What the alpha of a texture asks for: holes with smooth edges are holes.
+fn alpha_mode(texture: &Texture) -> AlphaMode {
+    let count = |wanted: std::ops::RangeInclusive<u8>| {
+        texture.rgba8.iter().filter(|texel| wanted.contains(&texel[3])).count()
+    };
+    match (count(0..=254), count(32..=223), count(224..=255)) {
+        (0, ..) => AlphaMode::Opaque,
+        (_, between, whole) if between > whole / 8 => AlphaMode::Blend,
+        _ => AlphaMode::Mask { cutoff: 0.5 },
     }
 }
 

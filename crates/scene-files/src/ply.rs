@@ -15,7 +15,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use gnomon_picture::tonemap::srgb_decode;
-use gnomon_scene::{Ground, Material, MaterialId, Mesh, Scene};
+use gnomon_scene::{AlphaMode, Ground, Material, MaterialId, Mesh, Scene};
 
 use self::faces::Faces;
 use self::header::{Element, Scalar};
@@ -90,6 +90,11 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
         }
         if material.base_color_texture.is_some() || !mesh.colors.is_empty() {
             material.surface.base_color = Vec3::ONE;
+        }
+        // An alpha of 0 everywhere is one that nobody has set.
+        let alphas = || mesh.colors.iter().map(|color| color.w);
+        if alphas().any(|alpha| alpha < 1.0) && alphas().any(|alpha| alpha > 0.0) {
+            material.alpha_mode = AlphaMode::Blend;
         }
         mesh.material = Some(MaterialId(scene.materials.len()));
         scene.materials.push(material);

@@ -196,20 +196,20 @@ fn pointers_to_nodes_move_them() {
 }
 
 #[test]
-fn blending_is_kept_and_drawn_as_the_nearer_of_both() {
+fn blending_lets_light_through_by_alpha() {
     let alpha_of = |factor: f32, texel: u8| {
         let mut document = with_material(json!({"alphaMode": "BLEND",
             "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, factor], "baseColorTexture": {"index": 0}}}));
         document["images"] = json!([{"uri": pixel([255, 255, 255, texel])}]);
         document["textures"] = json!([{"source": 0}]);
         let scene = read(&document).scene;
-        let is_seen = scene.visible_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0));
-        (scene.materials[0].alpha_mode, is_seen, scene.warnings.len())
+        let opacity = scene.opacity_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0));
+        (scene.materials[0].alpha_mode, (100.0 * opacity).round(), scene.warnings.len())
     };
-    assert_eq!(alpha_of(1.0, 255), (AlphaMode::Opaque, true, 0));
-    assert_eq!(alpha_of(0.6, 255), (AlphaMode::Blend, true, 1));
-    assert_eq!(alpha_of(0.6, 128), (AlphaMode::Blend, false, 1));
-    assert_eq!(alpha_of(1.0, 200), (AlphaMode::Blend, true, 1));
+    assert_eq!(alpha_of(1.0, 255), (AlphaMode::Opaque, 100.0, 0));
+    assert_eq!(alpha_of(0.6, 255), (AlphaMode::Blend, 60.0, 0));
+    assert_eq!(alpha_of(0.6, 128), (AlphaMode::Blend, 30.0, 0));
+    assert_eq!(alpha_of(1.0, 200), (AlphaMode::Blend, 78.0, 0));
 }
 
 /// A mirrored node's bitangent is that of mirrored vertices.

@@ -158,21 +158,21 @@ fn statements_that_cannot_be_understood_are_left_out() {
     // White of Rec. 709.
     let white = material("newmtl m\nKd xyz 0.9505 1 1.089\n").1.surface.base_color;
     assert!(white.distance(Vec3::ONE) < 1e-3, "{white}");
-    for (lines, is_transparent) in [
-        ("d 0.5", true),
-        ("d -halo 0.5", true),
-        ("Tr 0.5", true),
-        ("Tr 0", false),
-        ("Tr 1", false),
-        ("d 1\nTr 1", false),
-        ("Tr 1\nd 1.0", false),
-        ("Tr 0\nd 0.2", true),
+    for (lines, alpha, is_told) in [
+        ("d 0.5", 0.5, false),
+        ("d -halo 0.5", 0.5, false),
+        ("Tr 0.25", 0.75, false),
+        ("Tr 0", 1.0, false),
+        ("Tr 1", 1.0, false),
+        ("d 1\nTr 1", 1.0, false),
+        ("Tr 1\nd 1.0", 1.0, false),
+        ("Tr 0\nd 0.2", 0.2, false),
+        ("d 0", 1.0, true),
     ] {
-        assert_eq!(
-            warns(&material(&format!("newmtl m\n{lines}\n")).0, "transparent"),
-            is_transparent,
-            "{lines}"
-        );
+        let (scene, material) = material(&format!("newmtl m\n{lines}\n"));
+        let mode = if alpha < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
+        assert_eq!((material.alpha, material.alpha_mode), (alpha, mode), "{lines}");
+        assert_eq!(warns(&scene, "shown opaque"), is_told, "{lines}");
     }
 }
 

@@ -4,7 +4,7 @@
 mod summary;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use gnomon_scene::Scene;
+use gnomon_scene::{AlphaMode, Scene};
 
 use self::summary::{Summary, picture, scene_of};
 
@@ -186,4 +186,15 @@ fn faces_and_vertices_have_colours_of_any_range() {
         assert!(mesh.triangles[1].iter().all(|&vertex| mesh.colors[vertex as usize] == Vec4::W));
         assert_eq!(scene.materials[0].surface.base_color, Vec3::ONE);
     }
+}
+
+#[test]
+fn an_alpha_that_somebody_has_set_blends() {
+    let properties =
+        ["red", "green", "blue", "alpha"].map(|name| format!("property uchar {name}\n")).concat();
+    let mode = |colors: [&str; 4]| ply(&square("", &properties, colors, "", FACES)).materials[0].alpha_mode;
+    let [whole, half, none] = ["9 9 9 255", "9 9 9 128", "9 9 9 0"];
+    assert_eq!(mode([whole; 4]), AlphaMode::Opaque);
+    assert_eq!(mode([none; 4]), AlphaMode::Opaque);
+    assert_eq!(mode([whole, half, whole, none]), AlphaMode::Blend);
 }

@@ -65,17 +65,17 @@ pub enum AlphaMode {
         /// Cutoff, 0..1.
         cutoff: f32,
     },
-    /// What lies behind shows through by as much as alpha is below 1. Drawn as a mask, every point as what it is nearer to.
+    /// What lies behind shows through by as much as alpha is below 1: so many of the rays that meet the surface pass it.
     Blend,
 }
 
 impl AlphaMode {
-    /// Alpha below which there is a hole; `None` for a surface without.
-    pub fn cutoff(self) -> Option<f32> {
+    /// Share of the rays that a point of an alpha stops, 0..1.
+    pub fn opacity(self, alpha: f32) -> f32 {
         match self {
-            Self::Opaque => None,
-            Self::Mask { cutoff } => Some(cutoff),
-            Self::Blend => Some(0.5),
+            Self::Opaque => 1.0,
+            Self::Mask { cutoff } => f32::from(u8::from(alpha >= cutoff)),
+            Self::Blend => alpha.clamp(0.0, 1.0),
         }
     }
 }

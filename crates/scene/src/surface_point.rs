@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat3, Vec2, Vec3, Vec4};
 use gnomon_brdf::Surface;
 
-use crate::{Material, Mesh, MeshId, Scene, TextureRef, WorldVertices, triangle_normal};
+use crate::{AlphaMode, Material, Mesh, MeshId, Scene, TextureRef, WorldVertices, triangle_normal};
 
 /// A surface point with every texture and vertex attribute evaluated.
 ///
@@ -26,8 +26,8 @@ pub struct SurfacePoint {
     pub uvs: [Vec2; 2],
     /// Emitted radiance, linear.
     pub emissive: Vec3,
-    /// False in the holes of an alpha mask: the ray goes on.
-    pub visible: bool,
+    /// Share of the rays that stop here: 0 in the holes of an alpha mask, alpha where it blends.
+    pub opacity: f32,
     /// Lit from both sides; otherwise the camera does not see the back.
     pub double_sided: bool,
 }
@@ -120,22 +120,21 @@ impl Scene {
             geometric_normal: plane.unwrap_or(smooth),
             uvs,
             emissive,
-            visible: is_visible(material, base.w),
+            opacity: material.alpha_mode.opacity(base.w),
             double_sided: material.double_sided,
         }
     }
 
-    /// Whether a ray meets the surface here or passes through a hole of an alpha mask: `surface_at(..).visible` without
-    /// the rest, for shadow rays.
-    pub fn visible_at(&self, mesh: MeshId, triangle: usize, barycentrics: Vec3) -> bool {
+    /// Share of the rays that stop here: `surface_at(..).opacity` without the rest, for shadow rays.
+    pub fn opacity_at(&self, mesh: MeshId, triangle: usize, barycentrics: Vec3) -> f32 {
         let material = self.material(mesh);
-        if material.alpha_mode.cutoff().is_none() {
-            return true;
+        if material.alpha_mode == AlphaMode::Opaque {
+            return 1.0;
         }
         let mesh = &self.meshes[mesh.0];
         let corners = mesh.triangles[triangle].map(|index| index as usize);
         let uvs = mesh.uvs_at(corners, barycentrics);
-        is_visible(material, self.base_color(material, mesh, corners, barycentrics, uvs).w)
+        material.alpha_mode.opacity(self.base_color(material, mesh, corners, barycentrics, uvs).w)
     }
 
     /// Linear base colour and alpha: factor times texture times vertex colour.
@@ -217,10 +216,6 @@ pub fn mirror_sign(world_from_mesh: &Affine3A) -> f32 {
     if world_from_mesh.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 }
 }
 
-fn is_visible(material: &Material, alpha: f32) -> bool {
-    material.alpha_mode.cutoff().is_none_or(|cutoff| alpha >= cutoff)
-}
-
 fn weighted(weights: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
     weights.x * a + weights.y * b + weights.z * c
 }
@@ -232,7 +227,7 @@ mod tests {
     use glam::{Affine2, Affine3A};
 
     use super::*;
-    use crate::{AlphaMode, MaterialId, Node, Texture, TextureId, Wrap};
+    use crate::{MaterialId, Node, Texture, TextureId, Wrap};
 
     /// One triangle in z = 0 with uv = xy, and one 2 x 1 texture.
     fn scene(texels: [[u8; 4]; 2], set_up: impl FnOnce(&mut Material, TextureRef)) -> Scene {
@@ -291,15 +286,25 @@ mod tests {
     }
 
     #[test]
-    fn alpha_masks_make_holes() {
-        let scene = scene([[255, 255, 255, 127], [255, 255, 255, 128]], |material, texture| {
-            material.base_color_texture = Some(texture);
-            material.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
-        });
-        assert!(!scene.surface_at(MeshId(0), 0, LEFT).visible);
-        assert!(scene.surface_at(MeshId(0), 0, RIGHT).visible);
-        assert!(!scene.visible_at(MeshId(0), 0, LEFT));
-        assert!(scene.visible_at(MeshId(0), 0, RIGHT));
+    fn alpha_lets_rays_through() {
+        let of = |mode| {
+            scene([[255, 255, 255, 127], [255, 255, 255, 128]], |material, texture| {
+                material.base_color_texture = Some(texture);
+                material.alpha_mode = mode;
+            })
+        };
+        let share = |texel: f32| texel / 255.0;
+        for (mode, left, right) in [
+            (AlphaMode::Opaque, 1.0, 1.0),
+            (AlphaMode::Mask { cutoff: 0.5 }, 0.0, 1.0),
+            (AlphaMode::Blend, share(127.0), share(128.0)),
+        ] {
+            let scene = of(mode);
+            for (place, opacity) in [(LEFT, left), (RIGHT, right)] {
+                assert_eq!(scene.opacity_at(MeshId(0), 0, place), opacity, "{mode:?}");
+                assert_eq!(scene.surface_at(MeshId(0), 0, place).opacity, opacity, "{mode:?}");
+            }
+        }
     }
 
     #[test]

@@ -57,6 +57,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "downsample", slots: &[] },
     Entry { module: "edge_refit", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
+    Entry { module: "gbuffer_layers", slots: &[] },
     Entry { module: "gloss", slots: &[("reflections", &["reflections_off", "reflections_scene"])] },
     Entry { module: "layers", slots: &[] },
     Entry { module: "light", slots: &[("shadow", SHADOWS), ("bumps", &["bumps_none"])] },

@@ -9,6 +9,7 @@ pub mod hemisphere;
 pub mod hit_normals;
 pub mod math;
 pub mod micromap;
+pub mod partial_cover;
 pub mod resample;
 pub mod sample_pattern;
 pub mod series;

@@ -8,10 +8,15 @@
 #import slot:composite
 
 // Radiance of every pixel: unshadowed light, what the lights' sums make of it, emission; or the environment itself. A pixel that shows one
-// smooth surface is composed once, others sample by sample.
+// smooth surface is composed once, others sample by sample. Layers of surfaces that light passes come one after another, each weighted with
+// what those in front of it leave (Porter and Duff 1984, over).
 
 @group(GROUP_PASS) @binding(7) var radiance: texture_storage_2d<rgba32float, write>;
 @group(GROUP_PASS) @binding(8) var<uniform> composition: Composition;
+// Of every layer, by the G-buffer's texels.
+@group(GROUP_PASS) @binding(9) var opacities: texture_2d_array<f32>;
+// Of the layers in front.
+@group(GROUP_PASS) @binding(10) var radiance_in_front: texture_2d<f32>;
 
 // Irradiance of the whole environment on a normal in its frame, unshadowed.
 fn full_irradiance(n: vec3f) -> vec3f {
@@ -240,6 +245,32 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     return vec4f(part_of(surface, shaded), 1.0);
 }
 
+// Share of what a sample shows that is seen of this layer.
+fn weight_of(sample: vec2u) -> f32 {
+    let texel = gbuffer_texel(sample);
+    var weight = 1.0;
+    for (var layer = 0u; layer < composition.layer; layer++) {
+        weight *= 1.0 - textureLoad(opacities, texel, layer, 0).r;
+    }
+    if composition.layer < composition.layer_count {
+        weight *= textureLoad(opacities, texel, composition.layer, 0).r;
+    }
+    return weight;
+}
+
+// The same of a whole pixel.
+fn weight_of_pixel(corner: vec2u) -> f32 {
+    if composition.layer_count == 0u {
+        return 1.0;
+    }
+    let side = view.supersample;
+    var weight = 0.0;
+    for (var i = 0u; i < side * side; i++) {
+        weight += weight_of(corner + vec2u(i % side, i / side));
+    }
+    return weight / f32(side * side);
+}
+
 var<workgroup> of_samples: array<vec4f, LIGHT_WORKGROUP>;
 
 // Smooth pixels, an invocation each; or the samples of edge pixels, as many whole pixels as a workgroup holds.
@@ -262,7 +293,16 @@ fn compose(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
         let k = local % samples;
         let corner = pixel * side;
         let sample = corner + select(vec2u(k % side, k / side), vec2u(side / 2u), is_smooth);
-        of_samples[local] = radiance_of(corner, sample, is_smooth);
+        var weight: f32;
+        if is_smooth {
+            weight = weight_of_pixel(corner);
+        } else {
+            weight = weight_of(sample);
+        }
+        of_samples[local] = vec4f(0.0);
+        if weight > 0.0 {
+            of_samples[local] = weight * radiance_of(corner, sample, is_smooth);
+        }
     }
     workgroupBarrier();
     if inside && local % samples == 0u {
@@ -270,6 +310,10 @@ fn compose(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
         for (var k = 0u; k < samples; k++) {
             sum += of_samples[local + k];
         }
-        textureStore(radiance, pixel, sum / f32(samples));
+        var in_front = vec4f(0.0);
+        if composition.layer > 0u {
+            in_front = textureLoad(radiance_in_front, pixel, 0);
+        }
+        textureStore(radiance, pixel, in_front + sum / f32(samples));
     }
 }

@@ -4,7 +4,7 @@
 #import height_slopes
 
 // What is seen through every sample of the picture: normals, tangent, material, and what textures make of it. No light here. One surface a
-// sample, the nearest; of surfaces that let light through a further layer would be drawn into another G-buffer by this same pass.
+// sample; those that light passes in part are drawn in layers (`gbuffer_layers.wgsl`).
 
 struct Vertex {
     @location(0) position_world: vec4f,
@@ -15,7 +15,7 @@ struct Vertex {
 }
 
 struct Varying {
-    // The same in the pass that draws relief over this one.
+    // The same in every pass that draws over another.
     @invariant @builtin(position) position_clip: vec4f,
     @location(0) position_world: vec3f,
     @location(1) normal_world: vec3f,
@@ -50,14 +50,31 @@ fn varying_of(vertex: Vertex, material: u32, part: u32) -> Varying {
     return surface;
 }
 
+// A surface, and its opacity.
+struct Drawn {
+    surface: PackedSurface,
+    opacity: f32,
+}
+
 @fragment
 fn gbuffer_fragment(surface: Varying) -> GBufferSample {
-    let packed = drawn_surface(surface);
+    return packed_sample(drawn_surface(surface));
+}
+
+fn packed_sample(packed: PackedSurface) -> GBufferSample {
     return GBufferSample(pack_geometry(packed), pack_reflectance(packed));
 }
 
-// What is drawn of a surface; nothing where its alpha mask has a hole.
+// What is drawn of a surface; nothing where light passes it as if it were not there.
 fn drawn_surface(surface: Varying) -> PackedSurface {
+    let drawn = drawn_with_opacity(surface);
+    if drawn.opacity == 0.0 {
+        discard;
+    }
+    return drawn.surface;
+}
+
+fn drawn_with_opacity(surface: Varying) -> Drawn {
     let across = dpdx(surface.position_world);
     let down = dpdy(surface.position_world);
     // Texels of a part lie a whole pixel apart, its samples do not.
@@ -124,9 +141,6 @@ fn drawn_surface(surface: Varying) -> PackedSurface {
             default: {}
         }
     }
-    if material.base_color.a * color.a < material.alpha_cutoff {
-        discard;
-    }
     packed.base_color = color.rgb;
 
     // Every surface is two-sided: both normals are turned to the viewer's side of the triangle.
@@ -150,5 +164,5 @@ fn drawn_surface(surface: Varying) -> PackedSurface {
     packed.geometric_normal = geometric_normal;
     // The bitangent stays where it is when the normal turns.
     packed.frame = frame_from_tangent(normal * turn, vec4f(surface.tangent_world.xyz, surface.tangent_world.w * turn));
-    return packed;
+    return Drawn(packed, opacity_of(material, material.base_color.a * color.a));
 }

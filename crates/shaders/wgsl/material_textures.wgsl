@@ -75,3 +75,15 @@ fn material_texel(texture: MaterialTexture, uvs: vec4f, uvs_across: vec4f, uvs_d
     let down = uv_step(texture_uv_change(texture, uvs_down));
     return sample_slot(texture.slot, texture.layer, texture_uv(texture, uvs), across, down);
 }
+
+// Opacity of a material where `vertex_alpha` is that of the vertices.
+fn opacity_at(material: Material, vertex_alpha: f32, uvs: vec4f, uvs_across: vec4f, uvs_down: vec4f) -> f32 {
+    var alpha = material.base_color.a * vertex_alpha;
+    for (var i = material.first_texture; i < material.end_texture; i++) {
+        let texture = material_textures[i];
+        if texture.kind == TEXTURE_BASE_COLOR {
+            alpha *= material_texel(texture, uvs, uvs_across, uvs_down).a;
+        }
+    }
+    return opacity_of(material, alpha);
+}

@@ -6,23 +6,26 @@
 // of the next one where it is missed. The upper level's leaves are instances. The importer's pass binds both buffers.
 
 @group(GROUP_SHADOW) @binding(1) var<storage, read> ray_nodes: array<RayNode>;
-// Three to a triangle: corners, and in the first one's w where its micromap begins, 0 without a mask. Micromaps follow: a word with the
-// divisions, then bits.
+// Three to a triangle: corners, and in the first one's w where its micromap begins, 0 where it stops all light. Micromaps follow: the
+// divisions and the number of bits of an opacity, then opacities.
 @group(GROUP_SHADOW) @binding(2) var<storage, read> ray_triangles: array<vec4u>;
 
 // Components of a direction are never 0: a product with an infinite inverse would be no number.
 const LEAST_COMPONENT: f32 = 1e-18;
 
-fn is_hole(micromap: u32, v: f32, w: f32) -> bool {
-    let bit = micro_triangle(v, w, ray_triangles[micromap].x);
-    let word = ray_triangles[micromap + 1u + bit / 128u][(bit / 32u) % 4u];
-    return ((word >> (bit % 32u)) & 1u) == 0u;
+fn micromap_opacity(micromap: u32, v: f32, w: f32) -> f32 {
+    let header = ray_triangles[micromap];
+    let bit = header.y * micro_triangle(v, w, header.x);
+    let word = ray_triangles[micromap + 1u + bit / 128u][(bit / 32u) % 4u] >> (bit % 32u);
+    return select(f32(word & 0xffu) / 255.0, f32(word & 1u), header.y == 1u);
 }
 
 // What a ray meets.
 struct RayHit {
     // In lengths of the ray's direction; not above 0 where there is nothing.
     distance: f32,
+    // Share of rays that stop there.
+    opacity: f32,
     triangle: u32,
     // Barycentric coordinates of its second and third corner.
     v: f32,
@@ -30,7 +33,7 @@ struct RayHit {
 }
 
 fn no_hit() -> RayHit {
-    return RayHit(-1.0, NO_TRIANGLE, 0.0, 0.0);
+    return RayHit(-1.0, 0.0, NO_TRIANGLE, 0.0, 0.0);
 }
 
 const NO_TRIANGLE: u32 = 0xffffffffu;
@@ -53,40 +56,52 @@ fn ray_normals(triangle: u32) -> vec2u {
 fn hit_of(triangle: u32, origin: vec3f, direction: vec3f, reach: f32) -> RayHit {
     let corners = ray_corners(triangle);
     let hit = triangle_hit(corners[0] - origin, corners[1] - origin, corners[2] - origin, direction);
-    let micromap = ray_triangles[3u * triangle].w;
-    if hit.x <= 0.0 || hit.x >= reach || (micromap != 0u && is_hole(micromap, hit.z, hit.w)) {
+    if hit.x <= 0.0 || hit.x >= reach {
         return no_hit();
     }
-    return RayHit(hit.x, triangle, hit.z, hit.w);
+    let micromap = ray_triangles[3u * triangle].w;
+    var opacity = 1.0;
+    if micromap != 0u {
+        opacity = micromap_opacity(micromap, hit.z, hit.w);
+    }
+    return RayHit(hit.x, opacity, triangle, hit.z, hit.w);
 }
 
 // What blocked the last ray of this invocation often blocks the next one.
 var<private> last_blocker: u32 = NO_TRIANGLE;
 
-// Whether anything lies along a ray before `reach`, in lengths of `direction`.
-fn is_occluded(origin: vec3f, direction: vec3f, reach: f32) -> bool {
-    if last_blocker != NO_TRIANGLE && hit_of(last_blocker, origin, direction, reach).distance > 0.0 {
-        return true;
+// Share of the light along a ray that nothing stops before `reach`, in lengths of `direction`.
+fn transmittance(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
+    if last_blocker != NO_TRIANGLE && hit_of(last_blocker, origin, direction, reach).opacity == 1.0 {
+        return 0.0;
     }
-    let hit = trace(origin, direction, reach, true);
-    if hit.distance > 0.0 {
-        last_blocker = hit.triangle;
+    let traced = trace(origin, direction, reach, -1.0);
+    if traced.left == 0.0 {
+        last_blocker = traced.hit.triangle;
     }
-    return hit.distance > 0.0;
+    return traced.left;
 }
 
-// The nearest of what lies along a ray before `reach`.
-fn nearest_hit(origin: vec3f, direction: vec3f, reach: f32) -> RayHit {
-    return trace(origin, direction, reach, false);
+// The nearest of what stops a ray before `reach`; `chance`, in [0, 1), decides where only a share of rays stops.
+fn nearest_hit(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> RayHit {
+    return trace(origin, direction, reach, chance).hit;
 }
 
-// The nearest of what lies along a ray before `reach`, or the first that is found.
-fn trace(origin: vec3f, direction: vec3f, reach: f32, takes_any: bool) -> RayHit {
+// Along a ray: what stops it, or what of its light is left.
+struct Traced {
+    hit: RayHit,
+    left: f32,
+}
+
+// The nearest of what stops a ray before `reach` by `chance`; where that is below 0, what is left of its light, and the first that is found of
+// what stops all of it.
+fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
     let tiny = abs(direction) < vec3f(LEAST_COMPONENT);
     let inverse = 1.0 / select(direction, vec3f(LEAST_COMPONENT), tiny);
     let shifted = -origin * inverse;
     let top_end = ray_nodes[0].skip;
     var found = no_hit();
+    var left = 1.0;
     var limit = reach;
     var node = 0u;
     var end = top_end;
@@ -117,16 +132,20 @@ fn trace(origin: vec3f, direction: vec3f, reach: f32, takes_any: bool) -> RayHit
         } else {
             for (var i = 0u; i < count; i++) {
                 let hit = hit_of(members / RAY_LEAF + i, origin, direction, limit);
-                if hit.distance > 0.0 {
-                    found = hit;
-                    limit = hit.distance;
-                    if takes_any {
-                        return found;
+                if chance >= 0.0 {
+                    // Every triangle has a chance of its own.
+                    if fract(chance + f32(hit.triangle % 4096u) * 0.61803399) < hit.opacity {
+                        found = hit;
+                        limit = hit.distance;
                     }
+                } else if hit.opacity == 1.0 {
+                    return Traced(hit, 0.0);
+                } else {
+                    left *= 1.0 - hit.opacity;
                 }
             }
             node++;
         }
     }
-    return found;
+    return Traced(found, left);
 }

@@ -4,7 +4,7 @@
 // Glossy surfaces reflect light alone; where the scene hides it they are dark.
 
 struct Seen {
-    // Whether the way is open.
+    // Share of the light that the way leaves.
     open: f32,
     // What is reflected of the scene.
     scene: vec3f,
@@ -12,6 +12,8 @@ struct Seen {
 
 // What the sample of a lobe sees from `origin`.
 fn seen_along(origin: vec3f, sample: LobeSample, number: u32, count: u32) -> Seen {
-    let is_open = any(sample.radiance > vec3f(0.0)) && !is_occluded(origin, sample.direction, 3.4e38);
-    return Seen(select(0.0, 1.0, is_open), vec3f(0.0));
+    if all(sample.radiance <= vec3f(0.0)) {
+        return Seen(0.0, vec3f(0.0));
+    }
+    return Seen(transmittance(origin, sample.direction, 3.4e38), vec3f(0.0));
 }

@@ -61,9 +61,10 @@ fn sent_by(surface: Surface, origin: vec3f, number: u32) -> vec3f {
             sent /= 1.0 - probability;
         }
     }
-    let is_open = any(sent > vec3f(0.0)) && dot(direction, surface.geometric_normal) > 0.0
-        && !is_occluded(origin, direction, 3.4e38);
-    return surface.emission + select(vec3f(0.0), sent, is_open);
+    if all(sent <= vec3f(0.0)) || dot(direction, surface.geometric_normal) <= 0.0 {
+        return surface.emission;
+    }
+    return surface.emission + transmittance(origin, direction, 3.4e38) * sent;
 }
 
 // What the sample of a lobe, one of `count`, sees from `origin`; `number` is another for every sample of a point and those around it.
@@ -71,7 +72,7 @@ fn seen_along(origin: vec3f, sample: LobeSample, number: u32, count: u32) -> See
     if all(sample.reflected == vec3f(0.0)) {
         return Seen(0.0, vec3f(0.0));
     }
-    let hit = nearest_hit(origin, sample.direction, 3.4e38);
+    let hit = nearest_hit(origin, sample.direction, 3.4e38, spread(5u * number + 1u));
     if hit.distance <= 0.0 {
         return Seen(1.0, vec3f(0.0));
     }

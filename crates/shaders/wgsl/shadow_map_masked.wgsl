@@ -1,7 +1,11 @@
 #import material_textures
+#import partial_cover
 
-// Depth of surfaces with holes, seen from every light: what is cut out of them by alpha casts no shadow. The draw's first instance picks
-// material and light, `material * MAX_BATCH_LIGHTS + light`.
+// Depth of surfaces with alpha, seen from every light: what is cut out of them casts no shadow, and what stops a share of the light is in that
+// share of neighbouring texels, which filters to it. The draw's first instance picks material and light, `material * MAX_BATCH_LIGHTS + light`.
+
+// Parts of the map's depth within which surfaces of a material and side cover the same texels.
+const SLABS: f32 = 256.0;
 
 @group(GROUP_PASS) @binding(0) var<storage, read> lights: array<Light>;
 
@@ -23,35 +27,30 @@ struct MaskedSurface {
 fn masked_shadow_map(vertex: MaskedVertex, @builtin(instance_index) instance: u32) -> MaskedSurface {
     let light = instance % MAX_BATCH_LIGHTS;
     let position = lights[light].light_from_world * vec4f(vertex.position_world.xyz, 1.0);
-    let linear_depth = (position.w - lights[light].near_world) / lights[light].depth_range_world;
+    let along_axis = (position.w - lights[light].near_world) / lights[light].depth_range_world;
+    let linear_depth = select(along_axis, position.z, lights[light].kind == KIND_DISTANT);
     return MaskedSurface(position, vertex.uvs, vertex.color.a, linear_depth, instance / MAX_BATCH_LIGHTS);
 }
 
-// As the G-buffer has it (`gbuffer.wgsl`).
-fn is_hole(surface: MaskedSurface, uvs_across: vec4f, uvs_down: vec4f) -> bool {
+fn is_hole(surface: MaskedSurface, is_front: bool) -> bool {
     let material = materials[surface.material];
-    var alpha = material.base_color.a * surface.alpha;
-    for (var i = material.first_texture; i < material.end_texture; i++) {
-        let texture = material_textures[i];
-        if texture.kind == TEXTURE_BASE_COLOR {
-            alpha *= material_texel(texture, surface.uvs, uvs_across, uvs_down).a;
-        }
-    }
-    return alpha < material.alpha_cutoff;
+    let opacity = opacity_at(material, surface.alpha, surface.uvs, dpdx(surface.uvs), dpdy(surface.uvs));
+    let key = cover_key(u32(SLABS * saturate(surface.linear_depth)), surface.material, is_front);
+    return !is_covered(opacity, vec2u(surface.position.xy), key);
 }
 
 // With the depth that the rasteriser has.
 @fragment
-fn masked_depth(surface: MaskedSurface) {
-    if is_hole(surface, dpdx(surface.uvs), dpdy(surface.uvs)) {
+fn masked_depth(surface: MaskedSurface, @builtin(front_facing) is_front: bool) {
+    if is_hole(surface, is_front) {
         discard;
     }
 }
 
 // With linear depth under a perspective.
 @fragment
-fn masked_linear_depth(surface: MaskedSurface) -> @builtin(frag_depth) f32 {
-    if is_hole(surface, dpdx(surface.uvs), dpdy(surface.uvs)) {
+fn masked_linear_depth(surface: MaskedSurface, @builtin(front_facing) is_front: bool) -> @builtin(frag_depth) f32 {
+    if is_hole(surface, is_front) {
         discard;
     }
     return saturate(surface.linear_depth);

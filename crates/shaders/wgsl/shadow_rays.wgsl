@@ -33,8 +33,8 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
             weight = irradiance_weight(outline, n, place);
         }
         weights += weight;
-        if weight > 0.0 && dot(normal_world, direction) > 0.0 && !is_occluded(origin, direction, reach) {
-            lit += weight;
+        if weight > 0.0 && dot(normal_world, direction) > 0.0 {
+            lit += weight * transmittance(origin, direction, reach);
         }
     }
     return lit / max(weights, 1e-9);

@@ -92,8 +92,8 @@ fn volume_ends(@builtin(vertex_index) vertex: u32, @builtin(instance_index) inst
     let what = drawn(instance);
     let triangle = vertex / 3u;
     let faces_light = faces(triangle, what.light);
-    let is_masked = ray_triangles[3u * triangle].w != 0u;
-    if is_masked || !bounds_volume(triangle, faces_light) {
+    let has_alpha = ray_triangles[3u * triangle].w != 0u;
+    if has_alpha || !bounds_volume(triangle, faces_light) {
         return nowhere();
     }
     // In front the side towards the light is the outer one, far behind the other side.

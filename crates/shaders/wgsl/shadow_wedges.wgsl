@@ -35,6 +35,9 @@ fn shares(triangle: u32, faces_light: bool) -> vec2f {
     return select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), faces_light != ((kind & SIDE_TURNED) != 0u));
 }
 
+// Of the light of the middle, what surfaces with alpha leave: nothing tells where the edges of their holes are.
+var<private> left: f32;
+
 // How often a triangle covers a direction before `reach`, in lengths of it.
 fn cover(triangle: u32, light: u32, origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
     let micromap = ray_triangles[3u * triangle].w;
@@ -52,7 +55,8 @@ fn cover(triangle: u32, light: u32, origin: vec3f, direction: vec3f, reach: f32)
     }
     if micromap != 0u {
         let hit = triangle_hit(a, b, c, direction);
-        return select(vec2f(1.0), vec2f(0.0), is_hole(micromap, hit.z, hit.w));
+        left *= 1.0 - micromap_opacity(micromap, hit.z, hit.w);
+        return vec2f(0.0);
     }
     let faces_light = faces(triangle, light);
     return shares(triangle, faces_light) * select(-side, side, faces_light);
@@ -230,6 +234,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
         is_prepared = true;
         open = saturate(rim_sums[corner_total] / all);
     }
+    left = 1.0;
     var covered = covers(light, origin, middle, reach);
     if !is_point {
         let inverse = 1.0 / select(seen.c, vec3f(LEAST_COMPONENT), abs(seen.c) < vec3f(LEAST_COMPONENT));
@@ -239,5 +244,5 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
             covered += cut / max(rim_sums[corner_total], 1e-20);
         }
     }
-    return open * (1.0 - saturate(max(covered.x, covered.y)));
+    return open * left * (1.0 - saturate(max(covered.x, covered.y)));
 }

@@ -94,6 +94,9 @@ pub const SIXTEENTH_ADDED_ERROR: f64 = 0.20;
 /// by a part of a texel.
 pub const MASKED_SHADOW: f64 = 0.01;
 
+/// Relative RMSE of the shadow of a surface that light passes in part against that share of a whole one's: texels of its map hold it or not.
+pub const BLENDED_SHADOW: f64 = 0.06;
+
 /// Relative RMSE between pictures whose shadow maps hold simpler meshes and all triangles.
 pub const SIMPLER_CASTERS: f64 = 0.004;
 

@@ -47,13 +47,13 @@ fn the_bvh_finds_what_trying_every_triangle_finds() {
                 .iter()
                 .filter_map(|triangle| triangle.intersect(&ray).map(|(t, _)| t))
                 .min_by(f32::total_cmp);
-            let found = traced.closest_hit(&ray);
-            let distance = found.and_then(|hit| traced.distance(&ray, hit.triangle as usize));
+            let found = traced.closest_hit(&ray, 0.5);
+            let distance = found.and_then(|hit| Some(traced.met(&ray, hit.triangle as usize)?.0));
             assert_eq!(distance, expected);
-            assert_eq!(traced.is_occluded(&ray, f32::INFINITY), expected.is_some());
+            assert_eq!(traced.transmittance(&ray, f32::INFINITY) == 0.0, expected.is_some());
             let end = 0.7 * scale;
             assert_eq!(
-                traced.is_occluded(&ray, end),
+                traced.transmittance(&ray, end) == 0.0,
                 expected.is_some_and(|t| t < end * (1.0 - END_CLEARANCE))
             );
             hits += usize::from(expected.is_some());
@@ -94,7 +94,7 @@ fn closed_surfaces_are_tight() {
     for (index, target) in targets.into_iter().enumerate() {
         let origin = Vec3::new(3.0, 0.0, 0.0) + 0.3 * random(index as u32);
         let ray = Ray { origin, direction: (target - origin).normalize() };
-        assert!(traced.is_occluded(&ray, f32::INFINITY), "a ray escapes at {target}");
+        assert_eq!(traced.transmittance(&ray, f32::INFINITY), 0.0, "a ray escapes at {target}");
     }
 }
 
@@ -131,7 +131,7 @@ fn deformed_meshes_are_hit_where_they_are_bent_to() {
         let direction = random(9000 + index).normalize();
         let ray = Ray { origin: 1.5 * random(5000 + index), direction };
         let point = |traced: &TracedScene| {
-            let point = traced.hit_point(&traced.closest_hit(&ray)?, -direction);
+            let point = traced.hit_point(&traced.closest_hit(&ray, 0.5)?, -direction);
             Some((point.position, point.geometric_normal, point.frame.n))
         };
         let (found, expected) = (point(&bent), point(&baked));
@@ -163,7 +163,7 @@ fn hits_carry_the_tangent_frame_of_the_mesh() {
             for side in [1.0, -1.0] {
                 let direction = placement.transform_vector3(Vec3::new(0.0, 0.0, -side));
                 let origin = placement.transform_point3(Vec3::new(0.2, 0.2, 0.0)) - direction;
-                let hit = traced.closest_hit(&Ray { origin, direction }).unwrap();
+                let hit = traced.closest_hit(&Ray { origin, direction }, 0.5).unwrap();
                 let frame = traced.hit_point(&hit, -direction).frame;
                 let world = |local: Vec3| placement.transform_vector3(local);
                 assert!(frame.n.distance(-direction) < 1e-5, "{frame:?}");
@@ -179,5 +179,5 @@ fn rays_that_are_not_numbers_hit_nothing() {
     let scene = soup(1.0);
     let traced = TracedScene::new(&scene).unwrap();
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::splat(f32::NAN) };
-    assert!(traced.closest_hit(&ray).is_none() && !traced.is_occluded(&ray, f32::INFINITY));
+    assert!(traced.closest_hit(&ray, 0.5).is_none() && traced.transmittance(&ray, f32::INFINITY) == 1.0);
 }

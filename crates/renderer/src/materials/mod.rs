@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine2, UVec2, Vec2, Vec4};
 use gnomon_brdf::{Model, ROUGHNESS, Surface};
-use gnomon_scene::{Height, Material, Scene, Texture, TextureId, TextureRef, Wrap};
+use gnomon_scene::{AlphaMode, Height, Material, Scene, Texture, TextureId, TextureRef, Wrap};
 use gnomon_shaders::layout;
 
 mod arrays;
@@ -275,7 +275,11 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
         specular: surface.specular,
         ior: surface.ior,
         normal_scale: material.normal_scale,
-        alpha_cutoff: material.alpha_mode.cutoff().unwrap_or(0.0),
+        alpha_cutoff: match material.alpha_mode {
+            AlphaMode::Opaque => 0.0,
+            AlphaMode::Mask { cutoff } => cutoff,
+            AlphaMode::Blend => layout::ALPHA_BLENDS,
+        },
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
         catches: u32::from(material.catches),
         model: surface.model as u32,

@@ -153,7 +153,7 @@ impl RayScene {
                 let first = *micromaps.entry(std::ptr::from_ref(maps)).or_insert_with(|| {
                     let first = micromap_words.len() as u32 / 4;
                     for words in maps.words.chunks(maps.words_each() as usize) {
-                        micromap_words.extend([maps.divisions, 0, 0, 0]);
+                        micromap_words.extend([maps.divisions, maps.bits, 0, 0]);
                         micromap_words.extend(words);
                     }
                     first
@@ -195,7 +195,7 @@ impl RayScene {
         let bytes = micromap_offset + 4 * micromap_words.len() as u64;
         if bytes > largest {
             return Err(RenderError::OverLimit {
-                what: "bytes of triangles and masks for rays",
+                what: "bytes of triangles and alpha for rays",
                 wanted: bytes,
                 limit: largest,
                 adapter: gpu.adapter().name.clone(),

@@ -116,7 +116,8 @@ impl Renderer {
                 batch..batch + 1
             }
         };
-        let groups = [&target.gbuffer.group, &target.points.compose_groups[0]];
+        let Some([sums, _]) = target.points.compose_groups.first() else { return Ok(()) };
+        let groups = [&target.gbuffer.group, sums];
         let batches = lit.debug_groups.iter().skip(shown.start).take(shown.len());
         debug.pass.encode(recorder, batches, groups, sample_size);
         Ok(())

@@ -12,9 +12,9 @@ use super::layers::LayerTask;
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::camera::CameraMatrices;
-use crate::compose::RADIANCE_FORMAT;
+use crate::compose::Composed;
+use crate::gbuffer::GBuffer;
 use crate::gpu::TextureReadBack;
-use crate::light_batches::LitScene;
 use crate::recorder::{Clock, FrameTimings, Recorder, new_encoder};
 use crate::settings::{Background, Chosen, in_range};
 use crate::shading_points::{PointPlan, SumPlanes};
@@ -187,10 +187,10 @@ impl Renderer {
         self.gpu.check()?;
         let size = [width, rows.len() as u32];
         let plan = self.point_plan(size);
-        let composed = self.composed();
+        let shown = (self.composed_side(), self.layer_count(), self.relief.is_some());
         let fits = |target: &Target| {
-            let same_relief = target.gbuffer.relief.is_some() == self.relief.is_some();
-            target.points.plan == plan && target.composed == composed && same_relief
+            let GBuffer { layers, relief, .. } = &target.gbuffer;
+            target.points.plan == plan && (target.composed.side, layers.count, relief.is_some()) == shown
         };
         if !self.target.as_ref().is_some_and(fits) {
             self.target = Some(self.new_target(size, plan)?);
@@ -218,55 +218,31 @@ impl Renderer {
         self.passes.gbuffer.encode(
             &mut recorder,
             &target.gbuffer,
-            &self.view_group,
-            &self.geometry,
-            &self.materials,
-        );
-        recorder.end_pass("gbuffer")?;
-        if let Some(relief) = &self.relief {
-            let drawn = (&self.geometry, &self.materials);
-            self.passes.relief.encode(&mut recorder, &target.gbuffer, &self.view_group, drawn, relief);
-            recorder.end_pass("relief")?;
-        }
-        let gbuffer_group = &target.gbuffer.group;
-        let scene = LitScene {
-            geometry: &self.geometry,
-            materials: &self.materials,
-            seen: &target.gbuffer,
-            view: &self.view_group,
-            points: &target.points,
-            is_first_band: is_first,
-        };
-        for stage in &target.points.stages {
-            self.passes.points.encode(&mut recorder, &target.points, stage, &self.view_group, gbuffer_group);
-            recorder.end_pass("points")?;
-            lit.batches.encode(&mut recorder, &lit.light, scene, stage)?;
-            if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
-                gloss.encode(&mut recorder, gbuffer_group, &target.points, stage);
-                recorder.end_pass("gloss")?;
-            }
-        }
+            self.drawn_scene(),
+            |recorder, layer| {
+                self.light_surfaces(recorder, lit, self.lit_scene(target, (is_first, layer == 0)))?;
+                if self.debug.is_some() {
+                    return Ok(());
+                }
+                if is_first && layer == 0 {
+                    self.passes.cache.encode(recorder, cache, &lit.environment.cache, &self.materials.tables);
+                }
+                recorder.end_pass("radiance cache")?;
+                let groups = [&lit.environment.compose, &target.gbuffer.group];
+                compose.encode(recorder, groups, size, (&target.points, &target.composed), layer);
+                recorder.end_pass("compose")
+            },
+        )?;
         let (mut exposure, mut tone_mapping) =
             (settings.display.exposure.unwrap_or(0.0), settings.display.tone_mapping);
         if let Some(debug) = &self.debug {
+            let scene = self.lit_scene(target, (is_first, true));
             self.encode_debug_view(&mut recorder, debug, (lit, target, scene), camera, sample_size)?;
             recorder.end_pass("debug view")?;
             (exposure, tone_mapping) = (0.0, ToneMapping::Linear);
-        } else {
-            if is_first {
-                self.passes.cache.encode(
-                    &mut recorder,
-                    cache,
-                    &lit.environment.cache,
-                    &self.materials.tables,
-                );
-            }
-            recorder.end_pass("radiance cache")?;
-            let groups = [&lit.environment.compose, gbuffer_group];
-            compose.encode(&mut recorder, groups, size, &target.points);
-            recorder.end_pass("compose")?;
         }
-        self.passes.resolve.encode(&mut recorder, &target.output, target.composed, exposure, tone_mapping);
+        let side = target.composed.side;
+        self.passes.resolve.encode(&mut recorder, &target.output, side, exposure, tone_mapping);
         recorder.end_pass("resolve")?;
         Ok(recorder.finish())
     }
@@ -379,29 +355,29 @@ impl Renderer {
     }
 
     /// Values along a pixel's side of what is composed.
-    fn composed(&self) -> u32 {
+    fn composed_side(&self) -> u32 {
         if self.debug.is_some() { self.settings().techniques.supersample } else { 1 }
     }
 
+    /// Layers of surfaces that light passes in part; a debug view has none.
+    fn layer_count(&self) -> u32 {
+        match self.debug {
+            None => self.settings().techniques.blended_layers.min(self.geometry.most_layers()),
+            Some(_) => 0,
+        }
+    }
+
     fn new_target(&self, size: [u32; 2], plan: PointPlan) -> Result<Target, RenderError> {
-        let gpu = &self.gpu;
-        let composed = self.composed();
-        let usage = wgpu::TextureUsages::STORAGE_BINDING
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC;
-        let [width, height] = size.map(|side| side * composed);
-        let values = gpu.texture("composed", [width, height, 1], 1, RADIANCE_FORMAT, usage);
-        let view = values.create_view(&Default::default());
+        let (gpu, passes) = (&self.gpu, &self.passes);
+        let layers = self.layer_count();
+        let composed = Composed::new(gpu, size, self.composed_side(), layers > 0);
+        let samples = (plan.sample_size, plan.supersample);
+        let gbuffer = passes.gbuffer.target(gpu, &self.materials, samples, (layers, self.relief.is_some()));
+        let opacities = &gbuffer.layers.opacity_array;
         Ok(Target {
-            gbuffer: self.passes.gbuffer.target(
-                gpu,
-                &self.materials,
-                (plan.sample_size, plan.supersample),
-                self.relief.is_some(),
-            ),
-            points: self.passes.points.points(gpu, plan, &view)?,
-            output: self.passes.resolve.output(gpu, &view, size),
-            values,
+            points: passes.points.points(gpu, plan, &composed, (layers, opacities))?,
+            output: passes.resolve.output(gpu, &composed.values, size),
+            gbuffer,
             composed,
             seen: None,
         })

@@ -11,7 +11,6 @@ use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
 use crate::gpu::TextureReadBack;
 use crate::layers::{Layer, LayerRequest, LayerSource, RenderedLayer, RenderedLayers};
-use crate::light_batches::LitScene;
 use crate::lighting::Lighting;
 use crate::recorder::{Clock, Recorder, new_encoder};
 use crate::seen::{SeenPass, SeenTarget, seen_frame};
@@ -223,22 +222,6 @@ impl Renderer {
         let gpu = &self.gpu;
         let mut encoder = new_encoder(gpu);
         let mut recorder = Recorder::new(gpu, &mut encoder, Clock::Off);
-        if let LayerSource::Group { group, .. } = source {
-            lit.batches.show_group(gpu, Some(group));
-            let scene = LitScene {
-                geometry: &self.geometry,
-                materials: &self.materials,
-                seen: &target.gbuffer,
-                view: &self.view_group,
-                points: &target.points,
-                is_first_band: false,
-            };
-            for stage in &target.points.stages {
-                let groups = [&self.view_group, &target.gbuffer.group];
-                self.passes.points.inherit(&mut recorder, &target.points, stage, groups);
-                lit.batches.encode_group(&mut recorder, &lit.light, scene, (stage, group))?;
-            }
-        }
         let texture = match source {
             LayerSource::Seen(layer) => {
                 pass.write(&mut recorder, seen, seen_group, layer);
@@ -246,14 +229,57 @@ impl Renderer {
             }
             LayerSource::Composed(part) | LayerSource::Group { part, .. } => {
                 target.points.compose_part(gpu, part);
-                let groups = [&lit.environment.compose, &target.gbuffer.group];
-                self.state.compose.encode(&mut recorder, groups, size, &target.points);
-                &target.values
+                self.compose_again(&mut recorder, (lit, target), source, size)?;
+                &target.composed.texture
             }
         };
         let read = TextureReadBack::new(gpu, &mut encoder, texture, 16);
         gpu.queue.submit([encoder.finish()]);
         Ok(read)
+    }
+
+    /// Composes what the picture has left of its light. That is only what lies behind surfaces that light passes in part: with those, every
+    /// one of their layers is lit again.
+    fn compose_again(
+        &self,
+        recorder: &mut Recorder<'_>,
+        (lit, target): (&Lit, &Target),
+        source: LayerSource,
+        size: [u32; 2],
+    ) -> Result<(), RenderError> {
+        if target.gbuffer.layers.count == 0 {
+            return self.compose_source(recorder, (lit, target), (source, 0), size);
+        }
+        self.passes.gbuffer.encode(recorder, &target.gbuffer, self.drawn_scene(), |recorder, layer| {
+            lit.batches.show_group(&self.gpu, None);
+            self.light_surfaces(recorder, lit, self.lit_scene(target, (false, false)))?;
+            recorder.submit();
+            self.compose_source(recorder, (lit, target), (source, layer), size)?;
+            recorder.submit();
+            Ok(())
+        })
+    }
+
+    /// Composes the G-buffer as it stands, one of the layers of surfaces that light passes in part or what lies behind them.
+    fn compose_source(
+        &self,
+        recorder: &mut Recorder<'_>,
+        (lit, target): (&Lit, &Target),
+        (source, layer): (LayerSource, u32),
+        size: [u32; 2],
+    ) -> Result<(), RenderError> {
+        if let LayerSource::Group { group, .. } = source {
+            lit.batches.show_group(&self.gpu, Some(group));
+            let scene = self.lit_scene(target, (false, false));
+            for stage in &target.points.stages {
+                let groups = [&self.view_group, &target.gbuffer.group];
+                self.passes.points.inherit(recorder, &target.points, stage, groups);
+                lit.batches.encode_group(recorder, &lit.light, scene, (stage, group))?;
+            }
+        }
+        let groups = [&lit.environment.compose, &target.gbuffer.group];
+        self.state.compose.encode(recorder, groups, size, (&target.points, &target.composed), layer);
+        Ok(())
     }
 }
 

@@ -1,7 +1,9 @@
 //! What shadow techniques compute with.
 
 use glam::{Vec2, Vec4};
-use gnomon_shaders::twin::{depth_moments, micromap, sample_pattern, series, triangle_hit, weighted_box};
+use gnomon_shaders::twin::{
+    depth_moments, micromap, partial_cover, sample_pattern, series, triangle_hit, weighted_box,
+};
 use gnomon_testing::tolerances::SHADER_TWIN;
 
 use super::compare;
@@ -139,6 +141,22 @@ fn rays_and_triangles() {
         |[a, _]| {
             let number = micromap::micro_triangle(a.x, a.y, (a.z * 64.0) as u32 + 1);
             Vec4::new(number as f32, 0.0, 0.0, 0.0)
+        },
+    );
+}
+
+#[test]
+fn surfaces_in_part_of_the_texels() {
+    let body = "vec4f(f32(is_covered(a.x, vec2u(b.xy * 9000.0), cover_key(u32(a.y * 256.0), u32(a.z * 9.0), a.w < 0.5))), 0.0, 0.0, 0.0)";
+    compare(
+        "partial_cover",
+        body,
+        0.0,
+        |u, v| [u, v],
+        |[a, b]| {
+            let texel = glam::UVec2::new((b.x * 9000.0) as u32, (b.y * 9000.0) as u32);
+            let key = partial_cover::cover_key((a.y * 256.0) as u32, (a.z * 9.0) as u32, a.w < 0.5);
+            Vec4::new(f32::from(u8::from(partial_cover::is_covered(a.x, texel, key))), 0.0, 0.0, 0.0)
         },
     );
 }

@@ -5,6 +5,7 @@
 mod analytic;
 mod asynchronous;
 mod backdrop;
+mod blending;
 mod bumps;
 mod casters;
 mod catcher;

@@ -130,19 +130,14 @@ fn alpha_mode(
     entry: &MaterialEntry,
     material: &Material,
     root: &Root,
-    scene: &mut Scene,
+    scene: &Scene,
 ) -> AlphaMode {
     match entry.alpha_mode {
         AlphaModeEntry::Opaque => AlphaMode::Opaque,
         AlphaModeEntry::Mask => AlphaMode::Mask { cutoff: entry.alpha_cutoff.map_or(0.5, not_negative) },
         // Tools write BLEND for all that they export.
         AlphaModeEntry::Blend if is_opaque(index, material, root, scene) => AlphaMode::Opaque,
-        AlphaModeEntry::Blend => {
-            scene.warnings.push(format!(
-                "material {index} blends with what is behind it: it is drawn where its alpha is 0.5 or more"
-            ));
-            AlphaMode::Blend
-        }
+        AlphaModeEntry::Blend => AlphaMode::Blend,
     }
 }
 

@@ -47,6 +47,10 @@ super::structs! {
         pub over_edges: u32,
         /// PART constant.
         pub part: u32,
+        /// Of surfaces that light passes, counted from the nearest; [`Composition::layer_count`] for what lies behind them.
+        pub layer: u32,
+        /// Number of layers.
+        pub layer_count: u32,
     }
 
     /// The camera of geometry layers.

@@ -30,6 +30,8 @@ super::constants! {
     pub const RELIEF_ELLIPSES: u32 = 0;
     /// [`ReliefMap::shape`]: horizons in eight azimuths.
     pub const RELIEF_HORIZONS: u32 = 1;
+    /// [`Material::alpha_cutoff`] where alpha is a share of the rays.
+    pub const ALPHA_BLENDS: f32 = -1.0;
     /// [`MaterialTexture::wrap`]: repeat.
     pub const WRAP_REPEAT: u32 = 0;
     /// [`MaterialTexture::wrap`]: the edge goes on.
@@ -83,7 +85,7 @@ super::structs! {
         pub ior: f32,
         /// Strength of the normal map.
         pub normal_scale: f32,
-        /// Alpha below this is a hole; 0 for opaque materials.
+        /// Alpha below this is a hole; 0 for opaque materials, [`ALPHA_BLENDS`] for those that light passes in part.
         pub alpha_cutoff: f32,
         /// Reflectance model, a number of `gnomon_brdf::Model`.
         pub model: u32,
