@@ -25,6 +25,9 @@ pub const DEFAULT_TERMS: usize = 3;
 /// Most terms of a factorisation: further ones are smaller than the noise of measurements.
 pub const MAX_TERMS: usize = 8;
 
+/// Largest reflectance that is taken [1/sr]: mirrors are not measured.
+pub const MOST: f32 = 1e6;
+
 /// Ends of the names of files that [`load`] reads.
 pub const EXTENSIONS: &[&str] = &["bsdf", "binary", "json"];
 
@@ -50,15 +53,18 @@ impl Measurement {
         }
     }
 
-    /// Reflectance [1/sr], without the cosine, between two unit vectors in the tangent frame; 0 where either is under the surface.
+    /// Reflectance [1/sr], at most [`MOST`], without the cosine, between two unit vectors in the tangent frame; 0 where either is under the
+    /// surface.
     pub fn value(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return Vec3::ZERO;
         }
-        match self {
+        let value = match self {
             Self::Rgl(rgl) => rgl.value(wo, wi),
             Self::Merl(merl) => merl.value(wo, wi),
-        }
+        };
+        // Factors of a damaged file may be anything.
+        value.map(|channel| if channel > 0.0 { channel.min(MOST) } else { 0.0 })
     }
 
     /// Whether a turn about the normal changes nothing.

@@ -82,6 +82,8 @@ struct SceneFile {
     #[serde(default)]
     light: Vec<Spanned<light::LightEntry>>,
     // How the scene is drawn is read by whoever draws it, through `read_sections`.
+    #[serde(rename = "bump_scale")]
+    _bump_scale: Option<IgnoredAny>,
     #[serde(rename = "paper")]
     _paper: Option<IgnoredAny>,
     #[serde(rename = "fit")]

@@ -290,7 +290,19 @@ mod tests {
             triangles: (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
             ..Mesh::default()
         };
-        assert_eq!(split.edges(), mesh.edges());
+        // In another order, and seen from the other wing first.
+        let unordered = |edges: Vec<Edge>| {
+            let wings = |edge: &Edge| {
+                let [a, b] = [Some(edge.first), edge.second].map(|w| w.map(|w| (w.triangle, w.corner)));
+                if a < b { (a, b) } else { (b, a) }
+            };
+            let mut wings: Vec<_> = edges.iter().map(wings).collect();
+            wings.sort_unstable();
+            wings
+        };
+        let of_split = split.edges();
+        assert_eq!((of_split.sides, of_split.faults), (sides, faults));
+        assert_eq!(unordered(of_split.edges), unordered(edges));
         for mesh in by_name("three-boxes").unwrap().meshes.iter().chain(&by_name("column").unwrap().meshes) {
             let edges = mesh.edges();
             assert!(edges.faults.is_none(), "{}", edges.faults);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use gnomon_lights::fit::FitSettings;
-use gnomon_options::Given;
+use gnomon_options::{Given, Options};
 use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
@@ -96,6 +96,7 @@ pub struct Project {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Sections {
+    bump_scale: Option<f32>,
     paper: Paper,
     #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
@@ -160,7 +161,7 @@ impl Project {
             SceneSource::File(path) => read_sections::<Sections>(path, &FileResolver)?,
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
-        let Sections { paper, fit, render, display, animation, environment, surface } =
+        let Sections { bump_scale, paper, fit, render, display, animation, environment, surface } =
             sections.unwrap_or_default();
         let folder = match &source {
             SceneSource::Builtin(_) | SceneSource::Made(_) => None,
@@ -184,6 +185,8 @@ impl Project {
             }
         }
         look.scene = SceneLook::default();
+        look.scene.bump_scale = bump_scale.unwrap_or(look.scene.bump_scale);
+        look.scene.check()?;
         given.apply(&mut look.scene);
         let asked = look.scene.axes();
         let axes =

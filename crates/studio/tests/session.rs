@@ -325,7 +325,7 @@ fn another_stage_gives_the_picture_of_a_new_session() {
     let moved = {
         let mut project = project(&base());
         project.scene = gnomon_scene::Scene::clone(first.scene());
-        project.scene.nodes[1].parent_from_node.translation.y += 0.3;
+        project.scene.nodes[1].parent_from_node.translation.x += 0.3;
         project.look.environment.rotation = 20.0;
         Stage::under(project, first.surroundings().clone(), Vec::new()).unwrap()
     };

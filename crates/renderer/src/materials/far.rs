@@ -126,7 +126,8 @@ impl FarMaterials {
 
 fn table_size(materials: usize) -> [u32; 2] {
     let a_row = layout::FAR_MATERIALS_A_ROW;
-    [a_row * layout::FAR_MATERIAL_TEXELS, (materials as u32).div_ceil(a_row).max(1)]
+    let materials = (materials as u32).max(1);
+    [materials.min(a_row) * layout::FAR_MATERIAL_TEXELS, materials.div_ceil(a_row)]
 }
 
 fn decoded(texel: [u8; 4], srgb: bool) -> Vec4 {

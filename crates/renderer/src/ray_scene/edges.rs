@@ -159,6 +159,7 @@ pub(crate) struct EdgeScene {
 /// Buffers that edges and triangles share.
 pub(super) struct Shared<'a> {
     pub positions_world: &'a wgpu::Buffer,
+    pub normals_world: &'a wgpu::Buffer,
     pub indices: &'a wgpu::Buffer,
     pub nodes: &'a wgpu::Buffer,
     pub triangles: &'a wgpu::Buffer,
@@ -193,10 +194,14 @@ impl EdgeScene {
                     (0..).zip(buffers).map(|(number, buffer)| (number, buffer.as_entire_binding())).collect();
                 gpu.bind_group("edge refit", layout, &resources)
             };
-            let Shared { positions_world, indices, nodes, triangles } = *shared;
+            let Shared { positions_world, normals_world, indices, nodes, triangles } = *shared;
             let group = match height {
                 0 => group(&leaf_layout, &[triangles, &edges, &by_height, nodes, &range]),
-                _ => group(&pass.layout, &[positions_world, indices, &by_height, nodes, triangles, &range]),
+                _ => {
+                    let buffers =
+                        [positions_world, indices, &by_height, nodes, triangles, &range, normals_world];
+                    group(&pass.layout, &buffers)
+                }
             };
             EdgeLevel { count, range, group }
         };

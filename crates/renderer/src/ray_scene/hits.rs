@@ -48,9 +48,10 @@ impl<'a> HitTriangles<'a> {
     /// # Errors
     /// [`RenderError::OverLimit`] for more than a texture holds.
     pub fn upload(mut self, gpu: &Gpu) -> Result<HitSurfaces, RenderError> {
-        let rows = (self.texels.len() as u32).div_ceil(ROW).max(1);
+        let texels = (self.texels.len() as u32).max(1);
+        let (width, rows) = (texels.min(ROW), texels.div_ceil(ROW));
         let limit = gpu.device.limits().max_texture_dimension_2d;
-        if rows > limit || ROW > limit {
+        if rows > limit || width > limit {
             return Err(RenderError::OverLimit {
                 what: "triangles that reflections show",
                 wanted: self.texels.len() as u64 / 2,
@@ -58,11 +59,11 @@ impl<'a> HitTriangles<'a> {
                 adapter: gpu.adapter().name.clone(),
             });
         }
-        self.texels.resize((rows * ROW) as usize, [0; 4]);
+        self.texels.resize((rows * width) as usize, [0; 4]);
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
         let format = wgpu::TextureFormat::Rgba32Uint;
-        let texture = gpu.texture("what rays meet", [ROW, rows, 1], 1, format, usage);
-        gpu.write_texture_in_parts(&texture, [ROW, rows], bytemuck::cast_slice(&self.texels));
+        let texture = gpu.texture("what rays meet", [width, rows, 1], 1, format, usage);
+        gpu.write_texture_in_parts(&texture, [width, rows], bytemuck::cast_slice(&self.texels));
         let triangles = texture.create_view(&Default::default());
         Ok(HitSurfaces { triangles, materials: FarMaterials::new(gpu, self.materials) })
     }

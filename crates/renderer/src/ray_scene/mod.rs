@@ -222,7 +222,13 @@ impl RayScene {
         };
         let levels = by_height.iter().map(level).collect();
         let hits = hits.map(|hits| hits.upload(gpu)).transpose()?;
-        let shared = Shared { positions_world, indices: &indices, nodes: &nodes, triangles: &triangles };
+        let shared = Shared {
+            positions_world,
+            normals_world,
+            indices: &indices,
+            nodes: &nodes,
+            triangles: &triangles,
+        };
         let edges = match has_edges {
             true => Some(EdgeScene::new(gpu, pass, edge_parts, &shared, edge_nodes)?),
             false => None,

@@ -127,10 +127,15 @@ fn webgpus_default_limits_without_features_draw_the_default_techniques() {
             s.techniques.visibility = visibility;
             s.techniques.shadow_resolution = 64;
         });
-        if ["convolution", "moments"].contains(&shadows) {
-            let Err(error) = Renderer::new(&gpu, settings) else { panic!("{shadows} cannot filter") };
+        let needed = match shadows {
+            "convolution" | "moments" => Some("FLOAT32_FILTERABLE"),
+            "stencil" => Some("DEPTH32FLOAT_STENCIL8"),
+            _ => None,
+        };
+        if let Some(needed) = needed {
+            let Err(error) = Renderer::new(&gpu, settings) else { panic!("{shadows} needs {needed}") };
             assert!(matches!(error, RenderError::NeedsFeature { .. }), "{error}");
-            assert!(error.to_string().contains(shadows) && error.to_string().contains("FLOAT32_FILTERABLE"));
+            assert!(error.to_string().contains(shadows) && error.to_string().contains(needed));
             continue;
         }
         for renderer in [&mut renderer, &mut expected] {

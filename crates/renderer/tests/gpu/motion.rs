@@ -4,7 +4,7 @@ use crate::common::*;
 use gnomon_lights::FitOptions;
 use gnomon_metrics::compare;
 use gnomon_reference::ReferenceOptions;
-use gnomon_renderer::{RenderSettings, Renderer};
+use gnomon_renderer::{Reflections, RenderSettings, Renderer};
 use gnomon_scene::{Ground, default_camera};
 use gnomon_scene_files::LoadOptions;
 use gnomon_testing::tolerances;
@@ -19,7 +19,11 @@ fn poses_look_as_ray_traced() {
     let options = FitOptions { light_count: Some(tolerances::GPU_LIGHTS), ..Default::default() };
     let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
     let mut renderers = ["pcss", "rays"].map(|shadows| {
-        let settings = RenderSettings::default().with(|s| s.techniques.shadows = shadows.to_owned());
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.shadows = shadows.to_owned();
+            // Reflections move along in some of the pictures.
+            s.paths.reflections = if shadows == "rays" { Reflections::Scene } else { Reflections::Off };
+        });
         let mut renderer = Renderer::new(&gpu, settings).unwrap();
         renderer.set_lighting(&map, &set).unwrap();
         renderer
@@ -49,8 +53,13 @@ fn poses_look_as_ray_traced() {
         scene.animate(clip, seconds).unwrap();
         renderer.move_scene(&scene).unwrap();
         let drawn = renderer.render(&camera, SIZE[0], SIZE[1]).unwrap().radiance;
-        let traced =
-            ReferenceOptions { width: SIZE[0], height: SIZE[1], samples_per_pixel: 48, ..Default::default() };
+        let traced = ReferenceOptions {
+            width: SIZE[0],
+            height: SIZE[1],
+            samples_per_pixel: 48,
+            reflections: by_rays,
+            ..Default::default()
+        };
         let truth = gnomon_reference::render(&scene, &camera, &map, &traced).unwrap().mean;
         if let Some(folder) = std::env::var_os("GNOMON_PICTURES") {
             let folder = std::path::Path::new(&folder);
