@@ -105,7 +105,7 @@ mod tests {
             assert!((all / truth - 1.0).abs().max_element() < 0.05, "{all} {truth}");
             for block in samples.chunks(layout::SKY_BLOCK as usize) {
                 let some = irradiance(block, n) * (samples.len() / block.len()) as f32;
-                assert!((some.dot(LUMINANCE) / all.dot(LUMINANCE) - 1.0).abs() < 0.2, "{some} {all}");
+                assert!((some.dot(LUMINANCE) / all.dot(LUMINANCE) - 1.0).abs() < 0.35, "{some} {all}");
             }
         }
     }

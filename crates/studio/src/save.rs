@@ -52,7 +52,8 @@ struct SurfaceTable<'a> {
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
-const REPLACED: [&str; 11] = [
+const REPLACED: [&str; 12] = [
+    "bump_scale",
     "ground",
     "variant",
     "up",
