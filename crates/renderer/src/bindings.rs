@@ -1,6 +1,7 @@
 //! Bind group layouts and pipelines with less ceremony. Every binding is visible to all stages its pass has.
 
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Mutex, PoisonError};
 
 use gnomon_shaders::layout::{self, Shared};
@@ -145,13 +146,16 @@ impl Gpu {
         module: &str,
         slots: &[gnomon_shaders::Slot<'_>],
     ) -> Result<Shader, RenderError> {
-        let key =
-            slots.iter().fold(module.to_owned(), |key, (slot, filled)| format!("{key} {slot}={filled}"));
+        let models = self.models.names();
+        let source = gnomon_shaders::resolve(module, &[slots, &[("brdf_models", &models)]].concat())?;
+        // Most shaders know of no model: the text tells which are the same.
+        let mut hasher = DefaultHasher::new();
+        source.hash(&mut hasher);
+        let key = format!("{module} {:016x}", hasher.finish());
         let mut modules = self.compiled.modules.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = modules.get(&key) {
             return Ok(Shader { module: module.clone(), key });
         }
-        let source = gnomon_shaders::resolve(module, slots)?;
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(module),
             source: wgpu::ShaderSource::Wgsl(source.into()),

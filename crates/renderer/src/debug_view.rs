@@ -4,6 +4,7 @@
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2_ARRAY, set_groups};
+use crate::models::Models;
 use crate::recorder::Recorder;
 use crate::shadow::depth_maps::{DepthMaps, MapDepth};
 use crate::{Gpu, RenderError};
@@ -123,7 +124,9 @@ impl DebugPass {
         let frame = gpu.layout("debug view", wgpu::ShaderStages::COMPUTE, &bindings);
         let groups =
             [(layout::GROUP_FRAME, &frame), (layout::GROUP_SURFACE, gbuffer), (layout::GROUP_PASS, sums)];
-        let pipeline = gpu.compute_pipeline(&gpu.shader("debug_view", &[])?, "debug_view", &groups);
+        // Scenes change while it stands.
+        let shader = gpu.with_models(Models::all()).shader("debug_view", &[])?;
+        let pipeline = gpu.compute_pipeline(&shader, "debug_view", &groups);
         Ok(Self { layout: frame, pipeline, no_maps: DepthMaps::new(gpu, MapDepth::Linear, 0, 1) })
     }
 

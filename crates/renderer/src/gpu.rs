@@ -5,6 +5,7 @@ use std::task::{Context, Poll, Waker};
 
 use crate::RenderError;
 use crate::bindings::Compiled;
+use crate::models::Models;
 
 mod adapter;
 mod errors;
@@ -24,6 +25,8 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) compiled: Arc<Compiled>,
+    /// What shaders are compiled for.
+    pub(crate) models: Models,
     summary: Arc<AdapterSummary>,
     faults: Arc<Mutex<Faults>>,
     uploaded: Arc<AtomicU64>,
@@ -37,6 +40,11 @@ const WELCOME_FEATURES: wgpu::Features = wgpu::Features::FLOAT32_FILTERABLE
     .union(wgpu::Features::DEPTH32FLOAT_STENCIL8);
 
 impl Gpu {
+    /// The same device, for shaders that know these reflectance models.
+    pub(crate) fn with_models(&self, models: Models) -> Self {
+        Self { models, ..self.clone() }
+    }
+
     /// Opens the best adapter that `options` allows.
     ///
     /// # Errors
@@ -88,6 +96,7 @@ impl Gpu {
             device,
             queue,
             compiled: Arc::default(),
+            models: Models::default(),
             summary: Arc::new(summarise(adapter)),
             faults: Arc::default(),
             uploaded: Arc::default(),

@@ -32,6 +32,7 @@ mod lighting;
 pub mod lod;
 mod materials;
 mod mip_chain;
+mod models;
 mod near_light_frame;
 mod present;
 mod radiance_cache;

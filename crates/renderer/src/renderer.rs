@@ -91,11 +91,23 @@ struct Passes {
     transform: TransformPass,
     gbuffer: GBufferPass,
     relief: ReliefPass,
-    points: ShadingPointsPass,
     shared: SharedPasses,
-    cache: RadianceCachePass,
+    of_models: ModelPasses,
     refit: RefitPass,
     resolve: ResolvePass,
+}
+
+/// Those whose shaders know of reflectance models.
+struct ModelPasses {
+    points: ShadingPointsPass,
+    cache: RadianceCachePass,
+}
+
+impl ModelPasses {
+    fn new(gpu: &Gpu, gbuffer: &GBufferPass) -> Result<Self, RenderError> {
+        let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
+        Ok(Self { points, cache: RadianceCachePass::new(gpu)? })
+    }
 }
 
 /// What depends on the picture's size.
@@ -117,7 +129,7 @@ impl Renderer {
         let scopes = gpu.catch_errors();
         let chosen = Chosen::new(gpu, settings)?;
         let gbuffer = GBufferPass::new(gpu)?;
-        let points = ShadingPointsPass::new(gpu, &gbuffer.view_layout, &gbuffer.read_layout)?;
+        let of_models = ModelPasses::new(gpu, &gbuffer)?;
         let passes = Passes {
             transform: TransformPass::new(gpu)?,
             shared: SharedPasses {
@@ -128,8 +140,7 @@ impl Renderer {
             },
             relief: ReliefPass::new(gpu, [&gbuffer.view_layout, &gbuffer.material_layout])?,
             gbuffer,
-            points,
-            cache: RadianceCachePass::new(gpu)?,
+            of_models,
             refit: RefitPass::new(gpu)?,
             resolve: ResolvePass::new(gpu)?,
         };

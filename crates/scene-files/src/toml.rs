@@ -416,11 +416,13 @@ impl Reader<'_> {
         let mistake = |message: String| self.at(spanned, format!("material '{}': {message}", quoted(name)));
         let mut material = Material { name: quoted(name), double_sided: true, ..Material::default() };
         let parameters = entry.parameters.iter().map(|(name, numbers)| (name.as_str(), numbers.as_slice()));
-        let metal = entry.metal.as_deref().map(ReflectanceSettings::of_metal).transpose().map_err(mistake)?;
-        let of_metal = metal.iter().flatten().map(|(name, values)| (*name, values.as_slice()));
         let measured = entry.tables.as_ref().map(|_| Model::Measured.name());
         let model = entry.reflectance.as_deref().or(measured);
-        let settings = ReflectanceSettings::of_values(model, parameters.chain(of_metal)).map_err(mistake)?;
+        let settings = match &entry.metal {
+            Some(metal) => ReflectanceSettings::of_metal(model, metal, parameters),
+            None => ReflectanceSettings::of_values(model, parameters),
+        }
+        .map_err(mistake)?;
         settings.apply(&mut material.surface);
         match &entry.tables {
             Some(_) if settings.model() != Model::Measured => {

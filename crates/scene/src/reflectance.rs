@@ -5,7 +5,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnomon_brdf::{EXTINCTION, INDEX, METALS, Model, Parameter, Surface};
+use gnomon_brdf::{BASE_COLOR, EXTINCTION, INDEX, METALS, Model, Parameter, SPECULAR, Surface};
 use gnomon_messages::quoted;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -14,7 +14,8 @@ use crate::{Material, MaterialId, Mesh, MeshId, Scene, SceneError};
 /// A reflectance model, and those of its parameters that are given.
 ///
 /// As text it is `MODEL` or `MODEL:KEY=VALUE,KEY=VALUE,...`, as in `phong:shininess=40,specular=0.3,diffuse=0.5`; a colour is one
-/// number, or three separated by `/`; `metal=gold` is index and extinction of a metal. The models are those of [`Model::ALL`]; `SCENE_FORMAT.md` lists the keys.
+/// number, or three separated by `/`; `metal=gold` is index and extinction of a metal
+/// that has no matte part unless one is given. The models are those of [`Model::ALL`]; `SCENE_FORMAT.md` lists the keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReflectanceSettings {
     model: Model,
@@ -77,16 +78,30 @@ impl ReflectanceSettings {
         }
     }
 
-    /// Index and extinction of a metal, as [`ReflectanceSettings::of_values`] takes them.
+    /// The same of a metal by name: index and extinction are its, and where nothing else is given all of the surface is glossy.
     ///
     /// # Errors
-    /// What metals there are.
-    pub fn of_metal(name: &str) -> Result<[(&'static str, [f32; 3]); 2], String> {
-        let known = METALS.iter().find(|metal| metal.name == name).ok_or_else(|| {
+    /// What is wrong with them, or what metals there are.
+    pub fn of_metal<'a>(
+        model: Option<&str>,
+        metal: &str,
+        given: impl IntoIterator<Item = (&'a str, &'a [f32])>,
+    ) -> Result<Self, String> {
+        let known = METALS.iter().find(|known| known.name == metal).ok_or_else(|| {
             let known: Vec<_> = METALS.iter().map(|metal| metal.name).collect();
-            format!("there is no metal '{}' (there are: {})", quoted(name), known.join(", "))
+            format!("there is no metal '{}' (there are: {})", quoted(metal), known.join(", "))
         })?;
-        Ok([(INDEX.name, known.index.to_array()), (EXTINCTION.name, known.extinction.to_array())])
+        let own = [(INDEX.name, known.index.to_array()), (EXTINCTION.name, known.extinction.to_array())];
+        let given: Vec<_> = given.into_iter().collect();
+        let is_open = |parameter: &Parameter| !given.iter().any(|(name, _)| parameter.is_called(name));
+        let is_known = |parameter: &Parameter| {
+            model.and_then(Model::named).is_some_and(|model| model.parameters().any(|own| own == parameter))
+        };
+        let whole = [(&BASE_COLOR, [0.0]), (&SPECULAR, [1.0])];
+        let whole = whole.iter().filter(|(parameter, _)| is_known(parameter) && is_open(parameter));
+        let own = own.iter().map(|(name, values)| (*name, values.as_slice()));
+        let whole = whole.map(|(parameter, value)| (parameter.name, value.as_slice()));
+        Self::of_values(model, given.iter().copied().chain(own).chain(whole))
     }
 
     /// The model of a surface with every parameter that concerns it: [`ReflectanceSettings::apply`] makes of any surface one that
@@ -162,13 +177,15 @@ impl FromStr for ReflectanceSettings {
         let bad = |message: String| SceneError::Request(format!("reflectance: {message}"));
         let (model, rest) = text.split_once(':').unwrap_or((text, ""));
         let mut given = Vec::new();
+        let mut metal = None;
         for part in rest.split(',').filter(|part| !part.trim().is_empty()) {
             let (name, values) = part
                 .split_once('=')
                 .ok_or_else(|| bad(format!("'{}' is not KEY=VALUE", quoted(part.trim()))))?;
             if name.trim() == "metal" {
-                let of_metal = Self::of_metal(values.trim()).map_err(bad)?;
-                given.extend(of_metal.map(|(name, values)| (name, values.to_vec())));
+                if metal.replace(values.trim()).is_some() {
+                    return Err(bad("metal is given twice".to_owned()));
+                }
                 continue;
             }
             let values = values
@@ -179,7 +196,12 @@ impl FromStr for ReflectanceSettings {
             given.push((name.trim(), values));
         }
         let given = given.iter().map(|(name, values)| (*name, values.as_slice()));
-        Self::of_values(Some(model.trim()), given).map_err(bad)
+        let model = Some(model.trim());
+        match metal {
+            Some(metal) => Self::of_metal(model, metal, given),
+            None => Self::of_values(model, given),
+        }
+        .map_err(bad)
     }
 }
 
@@ -261,7 +283,7 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use gnomon_brdf::{BASE_COLOR, ROUGHNESS, SHININESS};
+    use gnomon_brdf::{ROUGHNESS, SHININESS};
 
     use super::*;
     use crate::builtin;
@@ -305,6 +327,28 @@ mod tests {
             assert_eq!(ReflectanceSettings::of(&other).unwrap(), settings, "{text}");
         }
         assert!(ReflectanceSettings::of(&Surface { roughness: f32::NAN, ..Surface::default() }).is_err());
+    }
+
+    #[test]
+    fn a_metal_is_glossy_throughout_unless_told_otherwise() {
+        let parsed = |text: &str| text.parse::<ReflectanceSettings>();
+        let gold = parsed("microfacet-beckmann:slope=0.1,metal=gold").unwrap();
+        assert_eq!((gold.get(&BASE_COLOR), gold.get(&SPECULAR)), (Some(Vec3::ZERO), Some(Vec3::ONE)));
+        assert!(gold.get(&EXTINCTION).unwrap().min_element() > 1.0);
+        let dusty = parsed("microfacet-beckmann:metal=gold,slope=0.1,diffuse=0.2,specular=0.7").unwrap();
+        assert_eq!(
+            (dusty.get(&BASE_COLOR), dusty.get(&SPECULAR)),
+            (Some(Vec3::splat(0.2)), Some(Vec3::splat(0.7)))
+        );
+        for (text, reason) in [
+            ("microfacet-beckmann:slope=0.1,metal=tin", "there is no metal 'tin' (there are: aluminium,"),
+            ("microfacet-beckmann:slope=0.1,metal=gold,metal=gold", "metal is given twice"),
+            ("microfacet-beckmann:slope=0.1,metal=gold,index=2", "index is given twice"),
+            ("phong:shininess=9,metal=gold", "'index' is no parameter of phong"),
+        ] {
+            let error = parsed(text).unwrap_err().to_string();
+            assert!(error.contains(reason), "{text}: {error}");
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The WGSL module `brdf_models`: every reflectance model of [`gnomon_brdf::Model`] behind one set of functions.
+//! The WGSL module `brdf_models`: reflectance models of [`gnomon_brdf::Model`] behind one set of functions.
 
 use std::fmt::Write as _;
 
@@ -60,24 +60,34 @@ const FUNCTIONS: [Function; 8] = [
     },
 ];
 
-/// The module that imports every model's file and chooses among their functions. `has` tells whether a file holds a text; functions that it
-/// leaves out are `tables_NAME` of `brdf_tables` for models that are tabulated, which need no file, or `default_NAME` of `brdf_lobe`.
-pub(crate) fn source(has: impl Fn(&str, &str) -> bool) -> String {
-    let names: Vec<String> = Model::ALL.iter().map(|model| model.name().replace('-', "_")).collect();
-    let mut text = String::from("#import brdf_lobe\n#import brdf_tables\n");
-    for name in names.iter().filter(|name| has(&format!("brdf_{name}"), "")) {
+/// The module that imports the files of the models that `is_used` and chooses among their functions; what is left out is compiled nowhere. `has`
+/// tells whether a file holds a text; functions that it leaves out are `tables_NAME` of `brdf_tables` for models that are tabulated, which need
+/// no file, or `default_NAME` of `brdf_lobe`.
+pub(crate) fn source(has: impl Fn(&str, &str) -> bool, is_used: impl Fn(Model) -> bool) -> String {
+    // Numbers are those of all models, used or not.
+    let used: Vec<(usize, Model, String)> = Model::ALL
+        .iter()
+        .enumerate()
+        .filter(|(_, model)| is_used(**model))
+        .map(|(number, model)| (number, *model, model.name().replace('-', "_")))
+        .collect();
+    let mut text = String::from("#import brdf_lobe\n");
+    let tabulated: Vec<String> = used
+        .iter()
+        .filter(|(_, model, _)| model.is_tabulated())
+        .map(|(number, ..)| format!("lobe.model == {number}u"))
+        .collect();
+    if !tabulated.is_empty() {
+        text.push_str("#import brdf_tables\n");
+    }
+    for (_, _, name) in used.iter().filter(|(_, _, name)| has(&format!("brdf_{name}"), "")) {
         let _ = writeln!(text, "#import brdf_{name}");
     }
-    for (number, name) in names.iter().enumerate() {
+    for (number, _, name) in &used {
         let _ = writeln!(text, "const MODEL_{}: u32 = {number}u;", name.to_uppercase());
     }
-    let tabulated: Vec<String> = (0..)
-        .zip(Model::ALL)
-        .filter(|(_, model)| model.is_tabulated())
-        .map(|(number, _): (u32, _)| format!("lobe.model == {number}u"))
-        .collect();
-    let _ =
-        writeln!(text, "fn is_tabulated(lobe: Lobe) -> bool {{\n    return {};\n}}", tabulated.join(" || "));
+    let is_tabulated = if tabulated.is_empty() { "false".to_owned() } else { tabulated.join(" || ") };
+    let _ = writeln!(text, "fn is_tabulated(lobe: Lobe) -> bool {{\n    return {is_tabulated};\n}}");
     for function in &FUNCTIONS {
         let list = |of: fn(&(&str, &str)) -> String| -> String {
             function.parameters.iter().map(|parameter| format!(", {}", of(parameter))).collect()
@@ -90,9 +100,9 @@ pub(crate) fn source(has: impl Fn(&str, &str) -> bool) -> String {
             let _ = writeln!(text, "    if wi.z <= 0.0 {{\n        return {value};\n    }}");
         }
         let _ = writeln!(text, "    switch lobe.model {{");
-        for (number, (name, model)) in names.iter().zip(Model::ALL).enumerate() {
-            // WGSL wants a default: the first model, which is Rust's default, too.
-            let or_default = if number == 0 { ", default" } else { "" };
+        for (place, (_, model, name)) in used.iter().enumerate() {
+            // WGSL wants a default: the first model.
+            let or_default = if place == 0 { ", default" } else { "" };
             let of = if has(&format!("brdf_{name}"), &format!("fn {name}_{what}(")) {
                 name
             } else if model.is_tabulated() && has("brdf_tables", &format!("fn tables_{what}(")) {

@@ -40,11 +40,15 @@ const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/modules.rs"))
 /// Name and text of every module: the files, and what is made of lists in Rust.
 static MODULES: LazyLock<BTreeMap<&str, Cow<'_, str>>> = LazyLock::new(|| {
     let mut modules: BTreeMap<_, _> = FILES.iter().map(|(name, text)| (*name, Cow::from(*text))).collect();
-    let models = crate::models::source(|module, text| modules.get(module).is_some_and(|m| m.contains(text)));
-    modules.insert("brdf_models", models.into());
+    let has = |module: &str, text: &str| modules.get(module).is_some_and(|m| m.contains(text));
+    let models = crate::models::source(has, |_| true);
+    modules.insert(MODELS, models.into());
     modules.insert("types", crate::layout::MODULE.as_str().into());
     modules
 });
+
+/// The module of reflectance models, and the slot that names those that it is to have.
+const MODELS: &str = "brdf_models";
 
 /// Every module that the renderer makes a pipeline of.
 pub const ENTRIES: &[Entry] = &[
@@ -112,11 +116,18 @@ pub fn modules() -> impl Iterator<Item = &'static str> {
 
 /// The WGSL of `module` with everything it imports before it, each module once.
 ///
-/// A line `#import name` brings in a module, `#import slot:name` the module that `slots` puts there.
+/// A line `#import name` brings in a module, `#import slot:name` the module that `slots` puts there. The slot `brdf_models` holds names of
+/// reflectance models, separated by blanks: shaders then know no others. Without it they know all.
 pub fn resolve(module: &str, slots: &[Slot<'_>]) -> Result<String, ShaderError> {
     let mut resolver = Resolver { slots, done: BTreeSet::new(), output: String::new() };
     resolver.add(module, "the renderer")?;
     Ok(resolver.output)
+}
+
+/// The module of these models.
+fn models_named(names: &str) -> String {
+    let has = |module: &str, text: &str| MODULES.get(module).is_some_and(|m| m.contains(text));
+    crate::models::source(has, |model| names.split(' ').any(|name| name == model.name()))
 }
 
 struct Resolver<'a> {
@@ -130,10 +141,14 @@ impl Resolver<'_> {
         if !self.done.insert(module.to_owned()) {
             return Ok(());
         }
-        let source = MODULES.get(module).ok_or_else(|| ShaderError::UnknownModule {
-            module: module.to_owned(),
-            importer: importer.to_owned(),
-        })?;
+        let models = self.slots.iter().find(|(slot, _)| *slot == module && module == MODELS);
+        let source = match models {
+            Some((_, names)) => Cow::from(models_named(names)),
+            None => MODULES.get(module).cloned().ok_or_else(|| ShaderError::UnknownModule {
+                module: module.to_owned(),
+                importer: importer.to_owned(),
+            })?,
+        };
         let mut body = String::new();
         for line in source.lines() {
             match line.strip_prefix("#import ").map(str::trim) {
@@ -168,6 +183,17 @@ mod tests {
         let source = resolve("light", &[("shadow", "shadow_hard"), ("bumps", "bumps_none")]).unwrap();
         assert_eq!(source.matches("struct View {").count(), 1);
         assert!(!source.contains("#import"));
+    }
+
+    #[test]
+    fn shaders_know_the_models_that_are_asked_for() {
+        let slots = [("composite", "composite_ratio")];
+        let all = resolve("compose", &slots).unwrap();
+        assert!(all.contains("fn tables_lobe(") && all.contains("fn phong_lobe("));
+        let few = [slots[0], (MODELS, "metallic-roughness lambert")];
+        let few = resolve("compose", &few).unwrap();
+        assert!(few.contains("fn metallic_roughness_lobe(") && !few.contains("fn phong_lobe("));
+        assert!(!few.contains("fn tables_lobe("));
     }
 
     #[test]

@@ -29,7 +29,7 @@ fn gloss(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_inde
     let stands_for_pixel = side > 1u && view.point_lists[stage.list].sampling <= side;
     let is_spread = stands_for_pixel && work[WORK_PIXELS + pixel.y * (view.size.x / side) + pixel.x] == 0u;
     let unshadowed = sampled_specular(surface);
-    let count = max(rays_of(surface.lobe), select(1u, 4u, is_spread));
+    let count = max(rays_of(surface), select(1u, 4u, is_spread));
     // Neighbours take other parts of one evenly spread sequence (Roberts 2018, R2), as do points of one pixel.
     let first = count * pixel_of_16(place / max(side / 2u, 1u));
     var reflected = vec3f(0.0);

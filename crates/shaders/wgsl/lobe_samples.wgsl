@@ -18,6 +18,10 @@ struct LobeSample {
 
 // Lobes of this GGX alpha and above have all rays. They change little from pixel to pixel: the points of wide lights are enough for them.
 const ROUGH_ALPHA: f32 = 0.15;
+// Even a weak lobe shows the brightest lamps.
+const LEAST_RAYS: u32 = 8u;
+// Samples that tell how much of the light a lobe reflects.
+const ALBEDO_SAMPLES: u32 = 4u;
 // Samples of unshadowed light for each ray.
 const SAMPLES_OF_RAY: u32 = 4u;
 
@@ -38,16 +42,23 @@ fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level), reflected);
 }
 
-// Rays of a lobe: what narrow ones reflect is alike for all of them.
-fn rays_of(lobe: Lobe) -> u32 {
-    let alpha = alpha_from_roughness(reflectance_equivalent_roughness(lobe));
-    let share = min(sqrt(alpha / ROUGH_ALPHA), 1.0);
-    return max(u32(share * f32(view.gloss_samples)), 1u);
+// Rays of a lobe: its share of all that the surface reflects, for the rest hides their grain, and fewer of narrow ones, where what all of them see
+// is alike.
+fn rays_of(surface: Surface) -> u32 {
+    let alpha = alpha_from_roughness(reflectance_equivalent_roughness(surface.lobe));
+    var reflected = vec3f(0.0);
+    for (var i = 0u; i < ALBEDO_SAMPLES; i++) {
+        reflected += lobe_sample(surface, hammersley(i, ALBEDO_SAMPLES), ALBEDO_SAMPLES).reflected;
+    }
+    let glossy = luminance(reflected);
+    let share = glossy / max(glossy + luminance(surface.diffuse_color), 1e-9);
+    let rays = u32(share * min(sqrt(alpha / ROUGH_ALPHA), 1.0) * f32(view.gloss_samples));
+    return max(rays, min(LEAST_RAYS, view.gloss_samples));
 }
 
 // What a surface's lobe reflects of the whole environment, unshadowed.
 fn sampled_specular(surface: Surface) -> vec3f {
-    let count = SAMPLES_OF_RAY * rays_of(surface.lobe);
+    let count = SAMPLES_OF_RAY * rays_of(surface);
     var sum = vec3f(0.0);
     for (var i = 0u; i < count; i++) {
         sum += lobe_sample(surface, hammersley(i, count), count).radiance;

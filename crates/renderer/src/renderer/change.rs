@@ -6,9 +6,7 @@ use gnomon_lights::LightSet;
 use gnomon_scene::{PlacedLight, Scene};
 
 use super::state::{EnvironmentGroups, Lit, Surroundings};
-use super::{Renderer, Target};
-use crate::RenderError;
-use crate::RenderSettings;
+use super::{ModelPasses, Renderer, Target};
 use crate::bumps::{MaterialHeights, NO_BUMPS, Preparation, Relief};
 use crate::compose::ComposePass;
 use crate::geometry::{Geometry, MovedGeometry};
@@ -18,6 +16,7 @@ use crate::materials::{MaterialRecords, Materials};
 use crate::radiance_cache::RadianceCache;
 use crate::ray_scene::{self, RayScene};
 use crate::settings::{Chosen, in_range};
+use crate::{Gpu, RenderError, RenderSettings};
 
 /// What a renderer is to take over, all of it or nothing ([`Renderer::change`]). What is `None` stays as it is.
 #[derive(Default)]
@@ -54,6 +53,10 @@ pub enum LightingChange<'a> {
 
 /// What a change makes anew. Nothing of it is in force yet, and nothing in force knows of it.
 struct Next {
+    /// With the models that shaders know.
+    gpu: Gpu,
+    /// Where they are more than before.
+    passes: Option<ModelPasses>,
     chosen: Chosen,
     compose: Option<ComposePass>,
     cache: Option<RadianceCache>,
@@ -124,8 +127,13 @@ impl Renderer {
     }
 
     fn prepare(&self, change: Change<'_>) -> Result<Next, RenderError> {
-        let (gpu, is) = (&self.gpu, &self.state);
+        let is = &self.state;
         let Change { settings, scene, world_from_environment, lighting } = change;
+        let scene = scene.map_or(Ok(NextScene::default()), |scene| self.next_scene(scene))?;
+        let surfaces = scene.surfaces.as_ref().unwrap_or(&self.surfaces);
+        let models = self.gpu.models.with(surfaces);
+        let other_models = models != self.gpu.models;
+        let gpu = &self.gpu.with_models(models);
         let mut chosen = settings.map_or(Ok(is.chosen.clone()), |settings| Chosen::new(gpu, settings))?;
         if is.lit.is_some() && !matches!(lighting, Some(LightingChange::Fit(_))) {
             chosen.take_rest(is.chosen.ambient, is.chosen.settings.lighting.ambient_cells);
@@ -146,14 +154,16 @@ impl Renderer {
                 Some(lit.lighting.clone().with_lights(gpu, ambient))
             }
         };
-        let scene = scene.map_or(Ok(NextScene::default()), |scene| self.next_scene(scene))?;
-
+        let passes = match other_models {
+            true => Some(ModelPasses::new(gpu, &self.passes.gbuffer)?),
+            false => None,
+        };
         let other_techniques = chosen.settings.techniques != is.chosen.settings.techniques;
-        let compose = match other_techniques {
+        let compose = match other_techniques || other_models {
             true => Some(self.passes.compose(gpu, &chosen)?),
             false => None,
         };
-        let lobes = chosen.cached_lobes(scene.surfaces.as_ref().unwrap_or(&self.surfaces));
+        let lobes = chosen.cached_lobes(surfaces);
         let cache = match other_techniques || !is.cache.has_room_for(&lobes) {
             true => Some(self.new_cache(&chosen, lobes)),
             false => None,
@@ -165,7 +175,6 @@ impl Renderer {
         };
         let in_force = is.lit.as_ref().map(|lit| &lit.lighting);
         let technique = lighting.as_ref().or(in_force).map(|l| self.technique(&chosen, l, geometry));
-        let surfaces = scene.surfaces.as_ref().unwrap_or(&self.surfaces);
         let casts = technique.is_some_and(|technique| technique.casts_shadows());
         let suits = casts && ray_scene::has_room_for(gpu, geometry);
         // Lights that stand for themselves are what is reflected.
@@ -204,12 +213,14 @@ impl Renderer {
         let bumps = preparation.map_or(NO_BUMPS, Preparation::module);
         // More or fewer lights of the scene need other maps; what is bound of a scene for rays is another with it.
         let needs_maps = other_techniques
+            || other_models
             || near_lights.len() != self.near_lights.len()
             || ray_scene.is_some()
             || is.lit.as_ref().is_some_and(|lit| lit.gloss.is_some() != traces_gloss)
             || is.lit.as_ref().is_some_and(|lit| lit.bumps != bumps)
             || technique.map(|t| t.name()) != is.lit.as_ref().map(|lit| lit.technique.name());
         let surroundings = technique.map(|technique| Surroundings {
+            gpu,
             chosen: &chosen,
             technique,
             compose: compose.as_ref().unwrap_or(&is.compose),
@@ -236,7 +247,20 @@ impl Renderer {
             (true, None) => NextRays::Same,
             (true, Some(scene)) => NextRays::New(Box::new(scene)),
         };
-        Ok(Next { compose, cache, lit, groups, rays, relief, world_from_environment, scene, chosen })
+        let gpu = gpu.clone();
+        Ok(Next {
+            gpu,
+            passes,
+            compose,
+            cache,
+            lit,
+            groups,
+            rays,
+            relief,
+            world_from_environment,
+            scene,
+            chosen,
+        })
     }
 
     fn next_scene(&self, change: SceneChange<'_>) -> Result<NextScene, RenderError> {
@@ -277,7 +301,25 @@ impl Renderer {
 
     /// Nothing here can fail: it makes nothing on the device. What lies in buffers that stay is written with the next frame.
     fn take(&mut self, next: Next) {
-        let Next { chosen, compose, cache, lit, groups, rays, relief, world_from_environment, scene } = next;
+        let Next {
+            gpu,
+            passes,
+            chosen,
+            compose,
+            cache,
+            lit,
+            groups,
+            rays,
+            relief,
+            world_from_environment,
+            scene,
+        } = next;
+        self.gpu = gpu;
+        if let Some(passes) = passes {
+            self.passes.of_models = passes;
+            // Made again for what asks for them.
+            self.seen = None;
+        }
         let NextScene { geometry, materials, near_lights, surfaces, heights } = scene;
         let mut refit = geometry.is_some();
         match geometry {

@@ -50,7 +50,7 @@ impl Renderer {
         let debug = match debug_view::by_name(name)? {
             None => None,
             Some(view) => {
-                let layouts = [&passes.gbuffer.read_layout, &passes.points.compose_layout];
+                let layouts = [&passes.gbuffer.read_layout, &passes.of_models.points.compose_layout];
                 Some(Debug { view, light, pass: DebugPass::new(gpu, layouts)? })
             }
         };

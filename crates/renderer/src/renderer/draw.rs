@@ -225,7 +225,12 @@ impl Renderer {
                     return Ok(());
                 }
                 if is_first && layer == 0 {
-                    self.passes.cache.encode(recorder, cache, &lit.environment.cache, &self.materials.tables);
+                    self.passes.of_models.cache.encode(
+                        recorder,
+                        cache,
+                        &lit.environment.cache,
+                        &self.materials.tables,
+                    );
                 }
                 recorder.end_pass("radiance cache")?;
                 let groups = [&lit.environment.compose, &target.gbuffer.group];
@@ -375,7 +380,7 @@ impl Renderer {
         let gbuffer = passes.gbuffer.target(gpu, &self.materials, samples, (layers, self.relief.is_some()));
         let opacities = &gbuffer.layers.opacity_array;
         Ok(Target {
-            points: passes.points.points(gpu, plan, &composed, (layers, opacities))?,
+            points: passes.of_models.points.points(gpu, plan, &composed, (layers, opacities))?,
             output: passes.resolve.output(gpu, &composed.values, size),
             gbuffer,
             composed,

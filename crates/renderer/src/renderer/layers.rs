@@ -273,7 +273,7 @@ impl Renderer {
             let scene = self.lit_scene(target, (false, false));
             for stage in &target.points.stages {
                 let groups = [&self.view_group, &target.gbuffer.group];
-                self.passes.points.inherit(recorder, &target.points, stage, groups);
+                self.passes.of_models.points.inherit(recorder, &target.points, stage, groups);
                 lit.batches.encode_group(recorder, &lit.light, scene, (stage, group))?;
             }
         }

@@ -51,6 +51,8 @@ pub(super) struct EnvironmentGroups {
 
 /// What lights are made for.
 pub(super) struct Surroundings<'a> {
+    /// With the models that shaders are to know.
+    pub gpu: &'a Gpu,
     pub chosen: &'a Chosen,
     pub technique: &'static dyn ShadowTechnique,
     pub compose: &'a ComposePass,
@@ -83,7 +85,12 @@ impl Lit {
 impl Passes {
     /// The pass that composes as was chosen.
     pub(super) fn compose(&self, gpu: &Gpu, chosen: &Chosen) -> Result<ComposePass, RenderError> {
-        ComposePass::new(gpu, &self.gbuffer.read_layout, &self.points.compose_layout, chosen.compositing)
+        ComposePass::new(
+            gpu,
+            &self.gbuffer.read_layout,
+            &self.of_models.points.compose_layout,
+            chosen.compositing,
+        )
     }
 }
 
@@ -94,11 +101,11 @@ impl Renderer {
         surroundings: &Surroundings<'_>,
         mut lighting: Lighting,
     ) -> Result<Lit, RenderError> {
-        let &Surroundings { chosen, technique, near_lights, world_from_environment, bumps, .. } =
+        let &Surroundings { gpu, chosen, technique, near_lights, world_from_environment, bumps, .. } =
             surroundings;
         let ray_scene = surroundings.ray_scene.filter(|_| technique.traces_rays());
         lighting.turn(world_from_environment);
-        let (gpu, passes) = (&self.gpu, &self.passes);
+        let passes = &self.passes;
         let settings = &chosen.settings.techniques;
         let context = BatchContext {
             gpu,
@@ -114,11 +121,11 @@ impl Renderer {
         let mut groups = vec![
             (layout::GROUP_FRAME, &passes.shared.frame),
             (layout::GROUP_SURFACE, &passes.gbuffer.read_layout),
-            (layout::GROUP_PASS, &passes.points.light_layout),
+            (layout::GROUP_PASS, &passes.of_models.points.light_layout),
         ];
         groups.extend(batches.shadow_layout().map(|shadow| (layout::GROUP_SHADOW, shadow)));
         let light = LightPass::new(gpu, [technique.module(&settings.shadow_settings), bumps], &groups)?;
-        let layouts = [&passes.gbuffer.read_layout, &passes.points.light_layout];
+        let layouts = [&passes.gbuffer.read_layout, &passes.of_models.points.light_layout];
         let gloss = surroundings.ray_scene.filter(|_| surroundings.traces_gloss);
         let gloss =
             gloss.map(|scene| GlossPass::new(gpu, &self.view, &lighting, scene, layouts)).transpose()?;
@@ -149,6 +156,7 @@ impl Renderer {
         let State { chosen, compose, cache, lit } = &self.state;
         let Some(lit) = lit else { return Ok(None) };
         let surroundings = Surroundings {
+            gpu: &self.gpu,
             chosen,
             technique: lit.technique,
             compose,
@@ -180,7 +188,7 @@ impl Renderer {
         let (gpu, cache) = (&self.gpu, surroundings.cache);
         EnvironmentGroups {
             compose: surroundings.compose.environment_group(gpu, &self.view, lighting, cache),
-            cache: self.passes.cache.group(gpu, cache, &lighting.background),
+            cache: self.passes.of_models.cache.group(gpu, cache, &lighting.background),
         }
     }
 

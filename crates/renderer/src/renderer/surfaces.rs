@@ -21,7 +21,13 @@ impl Renderer {
         }
         let gbuffer_group = &scene.seen.group;
         for stage in &scene.points.stages {
-            self.passes.points.encode(recorder, scene.points, stage, &self.view_group, gbuffer_group);
+            self.passes.of_models.points.encode(
+                recorder,
+                scene.points,
+                stage,
+                &self.view_group,
+                gbuffer_group,
+            );
             recorder.end_pass("points")?;
             lit.batches.encode(recorder, &lit.light, scene, stage)?;
             if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
