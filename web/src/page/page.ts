@@ -29,7 +29,10 @@ function fail(error: unknown): void {
   notice(text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : "."), true);
 }
 
-viewer.addEventListener("error", (event) => fail((event as Event as CustomEvent).detail.message));
+viewer.addEventListener("error", (event) => {
+  if (!viewer.loaded) element("caption").textContent = "";
+  fail((event as Event as CustomEvent).detail.message);
+});
 
 // --- what a link carries --------------------------------------------------------------------------------------------
 
