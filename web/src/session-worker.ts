@@ -208,6 +208,8 @@ const methods: { [M in keyof Methods]: (...args: Parameters<Methods[M]>) => Retu
 
 /** Calls that come with every movement: frames tell what becomes of them. */
 const FREQUENT: readonly (keyof Methods)[] = ["turn", "pan", "dolly", "turnEnvironment", "resize"];
+/** Calls that change nothing: a page that asks whenever it is told something would never rest. */
+const QUESTIONS: readonly (keyof Methods)[] = ["panel", "map", "link"];
 
 scope.onmessage = ({ data }: MessageEvent<Call>) => {
   void inTurn(async () => {
@@ -215,11 +217,11 @@ scope.onmessage = ({ data }: MessageEvent<Call>) => {
       const method = methods[data.method] as (...args: unknown[]) => unknown;
       const value = await method(...data.args);
       // Loading holds the worker up: the page is told before.
-      if (!FREQUENT.includes(data.method)) tellStatus(performance.now());
+      if (![...FREQUENT, ...QUESTIONS].includes(data.method)) tellStatus(performance.now());
       tell({ type: "answer", id: data.id, value });
     } catch (error) {
       tell({ type: "refusal", id: data.id, message: messageOf(error) });
     }
-    wake();
+    if (!QUESTIONS.includes(data.method)) wake();
   });
 };
