@@ -8,6 +8,8 @@ import type { ToTracer } from "./tracer-worker";
 const REFERENCE_PIXELS = 320 * 180;
 /** How often the page is told what goes on [ms]. */
 const STATUS_EVERY = 100;
+/** While a slow GPU is at a frame browsers ask for no other; what is loaded goes on and is told meanwhile [ms]. */
+const LONGEST_WAIT = 100;
 
 const scope = self as unknown as WorkerScope;
 let memory: WebAssembly.Memory;
@@ -66,10 +68,15 @@ async function alone<T>(call: () => Promise<T>): Promise<T> {
 // --- frames ---------------------------------------------------------------------------------------------------------
 
 function wake(): void {
-  if (!scheduled && visible && session) {
-    scheduled = true;
-    scope.requestAnimationFrame(step);
-  }
+  if (scheduled || !visible || !session) return;
+  scheduled = true;
+  const go = () => {
+    scope.cancelAnimationFrame(frame);
+    clearTimeout(timer);
+    step(performance.now());
+  };
+  const frame = scope.requestAnimationFrame(go);
+  const timer = setTimeout(go, LONGEST_WAIT);
 }
 
 function step(now: number): void {

@@ -1,7 +1,6 @@
 //! What a session begins with, and other scenes and environments.
 
 use gnomon_options::Given;
-use gnomon_renderer::PassTiming;
 use gnomon_scene::{Camera, ReflectanceSettings};
 use gnomon_scene_files::EnvironmentSource;
 use gnomon_studio::{CameraLook, Look, Pace, Project, SceneSource, Stage, Studio, environment_named};
