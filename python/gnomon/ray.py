@@ -22,6 +22,8 @@ __all__ = ["Worker", "items", "write"]
 
 # A part that died with its worker is drawn by another one; what was whole is kept.
 RETRIES = 5
+# Ray hands out blocks: enough of them to keep every worker busy.
+MOST_BLOCKS = 1000
 
 
 @ray.remote(max_restarts=-1, max_task_retries=RETRIES)
@@ -75,7 +77,10 @@ class _Draw:
 def items(manifest, *, workers=2, batch_size=8, adapter=None, **resources):
     """The items as a ``ray.data.Dataset``: ``item``, ``radiance`` (height, width, 3), the manifest's layers, and ``record``, a line of JSON. They are drawn as they are
     taken."""
-    numbers = ray.data.range(len(Dataset(manifest, adapter))).rename_columns({"id": "item"})
+    count = len(Dataset(manifest, adapter))
+    # Numbers from here: a task that reads them would wait for a processor until the last worker has ended, which waits for the numbers.
+    blocks = min(MOST_BLOCKS, -(-count // batch_size))
+    numbers = ray.data.from_items([{"item": item} for item in range(count)], override_num_blocks=blocks)
     return numbers.map_batches(
         _Draw,
         fn_constructor_args=(manifest, adapter),

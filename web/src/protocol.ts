@@ -158,4 +158,5 @@ export interface WorkerScope {
   postMessage(message: unknown, transfer?: Transferable[]): void;
   onmessage: ((event: MessageEvent) => void) | null;
   requestAnimationFrame(step: (now: number) => void): number;
+  cancelAnimationFrame(request: number): void;
 }

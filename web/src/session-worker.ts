@@ -8,6 +8,8 @@ import type { ToTracer } from "./tracer-worker";
 const REFERENCE_PIXELS = 320 * 180;
 /** How often the page is told what goes on [ms]. */
 const STATUS_EVERY = 100;
+/** While a slow GPU is at a frame browsers ask for no other; what is loaded goes on and is told meanwhile [ms]. */
+const LONGEST_WAIT = 100;
 
 const scope = self as unknown as WorkerScope;
 let memory: WebAssembly.Memory;
@@ -66,10 +68,15 @@ async function alone<T>(call: () => Promise<T>): Promise<T> {
 // --- frames ---------------------------------------------------------------------------------------------------------
 
 function wake(): void {
-  if (!scheduled && visible && session) {
-    scheduled = true;
-    scope.requestAnimationFrame(step);
-  }
+  if (scheduled || !visible || !session) return;
+  scheduled = true;
+  const go = () => {
+    scope.cancelAnimationFrame(frame);
+    clearTimeout(timer);
+    step(performance.now());
+  };
+  const frame = scope.requestAnimationFrame(go);
+  const timer = setTimeout(go, LONGEST_WAIT);
 }
 
 function step(now: number): void {
@@ -208,6 +215,8 @@ const methods: { [M in keyof Methods]: (...args: Parameters<Methods[M]>) => Retu
 
 /** Calls that come with every movement: frames tell what becomes of them. */
 const FREQUENT: readonly (keyof Methods)[] = ["turn", "pan", "dolly", "turnEnvironment", "resize"];
+/** Calls that change nothing: a page that asks whenever it is told something would never rest. */
+const QUESTIONS: readonly (keyof Methods)[] = ["panel", "map", "link"];
 
 scope.onmessage = ({ data }: MessageEvent<Call>) => {
   void inTurn(async () => {
@@ -215,11 +224,11 @@ scope.onmessage = ({ data }: MessageEvent<Call>) => {
       const method = methods[data.method] as (...args: unknown[]) => unknown;
       const value = await method(...data.args);
       // Loading holds the worker up: the page is told before.
-      if (!FREQUENT.includes(data.method)) tellStatus(performance.now());
+      if (![...FREQUENT, ...QUESTIONS].includes(data.method)) tellStatus(performance.now());
       tell({ type: "answer", id: data.id, value });
     } catch (error) {
       tell({ type: "refusal", id: data.id, message: messageOf(error) });
     }
-    wake();
+    if (!QUESTIONS.includes(data.method)) wake();
   });
 };

@@ -76,6 +76,16 @@ test("a picture comes soon", options, async () => {
   await page.evaluate(() => (document.querySelector("gnomon-viewer").style.visibility = ""));
 });
 
+test("a page at rest is quiet", options, async () => {
+  await atRest(page);
+  const told = await page.evaluate(() => new Promise((resolve) => {
+    let told = 0;
+    document.querySelector("gnomon-viewer").addEventListener("status", () => (told += 1));
+    setTimeout(() => resolve(told), 3000);
+  }));
+  assert.ok(told <= 1, `${told} messages in 3 s`);
+});
+
 test("the view is moved by mouse and keyboard", options, async () => {
   const start = await seen(page, "gnomon-viewer");
   await page.mouse.move(300, 250);

@@ -2,6 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use gnomon::picture::RgbImage;
+use gnomon_messages::one_line;
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
@@ -28,6 +29,15 @@ pub fn floats<'py>(py: Python<'py>, values: &[f32], shape: &[usize]) -> PyResult
     array(py, bytemuck::cast_slice(values), "float32", shape)
 }
 
+/// Corners of triangles: int64 (n, 3).
+pub fn indices<'py>(py: Python<'py>, triangles: &[[u32; 3]]) -> PyResult<Bound<'py, PyAny>> {
+    let corners: Vec<i64> = triangles.iter().flatten().map(|&corner| i64::from(corner)).collect();
+    if corners.is_empty() {
+        return py.import("numpy")?.call_method1("zeros", ((0, 3), "int64"));
+    }
+    array(py, bytemuck::cast_slice(&corners), "int64", &[triangles.len(), 3])
+}
+
 /// A picture: float32 (height, width, 3).
 pub fn picture<'py>(py: Python<'py>, picture: &RgbImage) -> PyResult<Bound<'py, PyAny>> {
     let shape = [picture.height() as usize, picture.width() as usize, 3];
@@ -49,10 +59,13 @@ fn rows<T: Element>(
     let py = array.py();
     let numpy = py.import("numpy")?;
     let array = match array.hasattr("__dlpack__")? && !array.hasattr("__array__")? {
-        true => numpy.call_method1("from_dlpack", (array,))?,
-        false => array.clone(),
+        true => numpy.call_method1("from_dlpack", (array,)),
+        false => Ok(array.clone()),
     };
-    let array = numpy.call_method1("ascontiguousarray", (array, dtype))?;
+    let array = array.and_then(|array| numpy.call_method1("ascontiguousarray", (array, dtype)));
+    let array = array.map_err(|error| {
+        refused(format!("{what} must be an array of numbers: {}", one_line(&error.to_string())))
+    })?;
     let shape: Vec<usize> = array.getattr("shape")?.extract()?;
     if shape.len() < 2 || shape.last() != Some(&width) {
         return Err(refused(format!("{what} must be an array (..., {width}), not {shape:?}")));

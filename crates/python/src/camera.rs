@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::arrays;
 use crate::error::{raised, refused};
+use crate::view::Size;
 
 /// A view, as the command's `--camera` has it: a text, or keywords as the keys of a scene file's `[camera]`.
 #[pyclass(frozen, from_py_object, module = "gnomon")]
@@ -68,8 +69,8 @@ impl Camera {
     }
 
     /// The matrix of a pinhole as OpenCV has it, float32 (3, 3).
-    fn intrinsics<'py>(&self, py: Python<'py>, size: [u32; 2]) -> PyResult<Bound<'py, PyAny>> {
-        let Some([fx, fy, cx, cy]) = self.0.intrinsics(size) else {
+    fn intrinsics<'py>(&self, py: Python<'py>, size: Size) -> PyResult<Bound<'py, PyAny>> {
+        let Some([fx, fy, cx, cy]) = self.0.intrinsics(size.0) else {
             return Err(refused("a parallel view has no focal length"));
         };
         let cells = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0].map(|cell| cell as f32);
@@ -81,10 +82,10 @@ impl Camera {
         &self,
         py: Python<'py>,
         points: &Bound<'py, PyAny>,
-        size: [u32; 2],
+        size: Size,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arrays::vectors(points, "points")?;
-        let seen: Vec<Vec3> = points.iter().map(|&point| self.0.project(point, size)).collect();
+        let seen: Vec<Vec3> = points.iter().map(|&point| self.0.project(point, size.0)).collect();
         arrays::floats(py, bytemuck::cast_slice(&seen), &[seen.len(), 3])
     }
 

@@ -91,7 +91,7 @@ impl Environment {
             Source::Bytes(bytes.as_bytes().to_vec())
         } else {
             let picture = arrays::to_picture(source, "an environment")?;
-            if picture.width() != 2 * picture.height() {
+            if picture.width() != 2 * picture.height() || picture.height() == 0 {
                 let (width, height) = (picture.width(), picture.height());
                 return Err(refused(format!(
                     "an environment as an array is an equirect map, twice as wide as high, not {width} x {height}"

@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon::scene::{LARGEST_COORDINATE, Mesh, triangle_normal};
-use pyo3::PyResult;
+use pyo3::prelude::*;
 
+use crate::arrays;
 use crate::error::refused;
 
 /// A mesh as a program gives it.
@@ -22,6 +23,25 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// The shape that arrays are, with normals, uvs and colours where they are given.
+    ///
+    /// # Errors
+    /// Arrays of other shapes, numbers that are not finite, corners without a vertex.
+    pub fn of(
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        [normals, uvs, colors]: [Option<&Bound<'_, PyAny>>; 3],
+    ) -> PyResult<Self> {
+        let vertices = arrays::vectors(vertices, "vertices")?;
+        Ok(Self {
+            triangles: arrays::triangles(triangles, vertices.len(), "triangles")?,
+            vertices,
+            normals: normals.map_or(Ok(Vec::new()), |array| arrays::vectors(array, "normals"))?,
+            uvs: uvs.map_or(Ok(Vec::new()), |array| arrays::pairs(array, "uvs"))?,
+            colors: colors.map_or(Ok(Vec::new()), |array| arrays::colors(array, "colors"))?,
+        })
+    }
+
     /// The mesh: as it is, or with three vertices of its own for every triangle where it has no normals.
     ///
     /// # Errors

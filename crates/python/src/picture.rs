@@ -92,8 +92,9 @@ pub fn compare<'py>(
     document(py, &compared)
 }
 
-/// What the library writes as JSON, as Python's own values. A number that JSON lacks is None.
+/// What the library writes as JSON, as Python's own values: those that a file's reader gets, single precision with all of its digits. A number
+/// that JSON lacks is None.
 pub fn document<'py>(py: Python<'py>, value: &impl serde::Serialize) -> PyResult<Bound<'py, PyDict>> {
-    let text = serde_json::to_string(value).map_err(|error| refused(error.to_string()))?;
-    Ok(py.import("json")?.call_method1("loads", (text,))?.cast_into()?)
+    let value = serde_json::to_value(value).map_err(|error| refused(error.to_string()))?;
+    Ok(py.import("json")?.call_method1("loads", (value.to_string(),))?.cast_into()?)
 }

@@ -14,7 +14,7 @@ use crate::error::refused;
 use crate::layers::{Pictures, layers_named};
 use crate::lights::Lights;
 use crate::scene::Scene;
-use crate::view::View;
+use crate::view::{Size, View};
 use crate::{picture, work};
 
 /// Draws scenes on one graphics adapter. Threads that share one take turns; pictures do not depend on what was drawn before.
@@ -128,7 +128,7 @@ impl Renderer {
         scene: &Bound<'py, Scene>,
         camera: Option<&Bound<'py, PyAny>>,
         environment: Option<&Environment>,
-        size: Option<[u32; 2]>,
+        size: Option<Size>,
         layers: Option<Vec<String>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -156,7 +156,7 @@ impl Renderer {
         scenes: &Bound<'py, PyAny>,
         cameras: Option<&Bound<'py, PyAny>>,
         environments: Option<&Bound<'py, PyAny>>,
-        size: Option<[u32; 2]>,
+        size: Option<Size>,
         layers: Option<Vec<String>>,
         progress: Option<&Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,

@@ -1,7 +1,6 @@
 //! Scenes: from files and arrays, with poses, vertices and materials that change.
 
-use std::collections::{BTreeMap, HashMap};
-use std::path::PathBuf;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
@@ -9,20 +8,22 @@ use gnomon::brdf::Surface;
 use gnomon::envmap::Equirect;
 use gnomon::options::{Given, OptionSpec};
 use gnomon::picture::RgbImage;
-use gnomon::scene::{Material, MaterialId, Mesh, MeshId, NodeId, ReflectanceSettings};
-use gnomon::studio::{
-    Look, Project, SceneFiles, SceneLook, SceneSource, Stage, Surroundings, changed_surface,
-};
+use gnomon::scene::NodeId;
+use gnomon::studio::{Look, Project, SceneLook, Stage, Surroundings, changed_surface};
 use gnomon_messages::quoted;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyList};
+use pyo3::types::PyDict;
 
 use crate::camera::Camera;
 use crate::environment::Environment;
 use crate::error::{raised, refused};
 use crate::mesh::Shape;
-use crate::view::PictureOptions;
+use crate::view::{PictureOptions, Size};
 use crate::{arrays, keywords, work};
+
+mod meshes;
+mod pickled;
+mod source;
 
 /// A scene in a pose. It is changed in place; a copy shares meshes and textures.
 #[pyclass(module = "gnomon")]
@@ -41,12 +42,6 @@ pub struct Scene {
     keywords: Arc<Py<PyDict>>,
 }
 
-/// What a pickled scene is restored from, after it was loaded: nodes that were added (name, vertices, triangles, normals, uvs, colours).
-type Added<'py> = (String, [Bound<'py, PyAny>; 5]);
-
-/// Vertices that were moved: node, vertices, normals.
-type Moved<'py> = (usize, Bound<'py, PyAny>, Bound<'py, PyAny>);
-
 /// Material parameters as keywords give them: names and one or three numbers each.
 fn parameters(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, Vec<f32>)>> {
     let number = |value: Bound<'_, PyAny>| {
@@ -54,14 +49,6 @@ fn parameters(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, Vec<f3
         value.extract::<f32>().map(|number| vec![number]).or_else(|_| value.extract::<Vec<f32>>())
     };
     given.into_iter().flatten().map(|(key, value)| Ok((key.extract()?, number(value)?))).collect()
-}
-
-/// The format that bytes begin like.
-fn sniffed(bytes: &[u8]) -> Option<&'static str> {
-    [(b"glTF".as_slice(), "glb"), (b"ply", "ply"), (b"solid", "stl")]
-        .into_iter()
-        .find(|(start, _)| bytes.starts_with(start))
-        .map(|(_, format)| format)
 }
 
 impl Scene {
@@ -102,21 +89,6 @@ impl Scene {
             Ok(number) => within("material", number, self.project.scene.materials.len()),
             Err(_) => self.project.material(material.extract()?).map_err(raised),
         }
-    }
-
-    /// The only mesh of a node.
-    fn mesh_of(&self, node: usize) -> PyResult<MeshId> {
-        match *self.project.scene.nodes[node].meshes {
-            [mesh] => Ok(mesh),
-            ref meshes => Err(refused(format!("node {node} places {} meshes, not one", meshes.len()))),
-        }
-    }
-
-    fn replace(&mut self, node: usize, mesh: Mesh) -> PyResult<()> {
-        let MeshId(place) = self.mesh_of(node)?;
-        let material = self.project.scene.meshes[place].material;
-        self.project.scene.meshes[place] = Arc::new(Mesh { material, ..mesh });
-        Ok(())
     }
 }
 
@@ -159,19 +131,7 @@ impl Scene {
         if let Some(format) = &format {
             kept.set_item("format", format)?;
         }
-        let from = if let Ok(path) = source.extract::<PathBuf>() {
-            let text = path.to_str().ok_or_else(|| refused("the path is no text"))?;
-            SceneSource::named(text)
-        } else if let Ok(bytes) = source.cast::<PyBytes>() {
-            let bytes = bytes.as_bytes().to_vec();
-            let format = format.as_deref().or_else(|| sniffed(&bytes)).ok_or_else(|| {
-                refused("these bytes do not say what they are: give format='obj', 'gltf', 'toml' or another extension")
-            })?;
-            let path = PathBuf::from(format!("scene.{format}"));
-            SceneSource::Files(SceneFiles::new(path.clone(), HashMap::from([(path, bytes)])))
-        } else {
-            return Err(refused("a scene is loaded from a path, the name of a built-in one, or bytes"));
-        };
+        let from = source::source(source, format.as_deref())?;
         let project = work::run(py, None, |_| Project::open_source(from, Look::default(), &given))?;
         Ok(Self::of(project, Some(Arc::new(source.clone().unbind())), kept.unbind()))
     }
@@ -229,12 +189,12 @@ impl Scene {
 
     /// One of the scene's cameras; without a name the first, or one that frames the models in a picture of that size.
     #[pyo3(signature = (name=None, size=None))]
-    fn camera(slf: &Bound<'_, Self>, name: Option<String>, size: Option<[u32; 2]>) -> PyResult<Camera> {
+    fn camera(slf: &Bound<'_, Self>, name: Option<String>, size: Option<Size>) -> PyResult<Camera> {
         let mut project = slf.borrow().project.clone();
         if let Some(name) = name {
             project.look.camera = gnomon::studio::CameraLook::Named(name);
         }
-        project.look.picture.size = size.unwrap_or(project.look.picture.size);
+        project.look.picture.size = size.map_or(project.look.picture.size, |Size(size)| size);
         let camera = work::run(slf.py(), None, |_| {
             let nothing = Equirect::new(RgbImage::filled(2, 1, Vec3::ZERO));
             Stage::under(project, Surroundings::from(Arc::new(nothing)), Vec::new())?.camera()
@@ -337,25 +297,10 @@ impl Scene {
         model: Option<&str>,
         values: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<usize> {
-        let vertices = arrays::vectors(vertices, "vertices")?;
-        let shape = Shape {
-            triangles: arrays::triangles(triangles, vertices.len(), "triangles")?,
-            vertices,
-            normals: normals.map_or(Ok(Vec::new()), |array| arrays::vectors(array, "normals"))?,
-            uvs: uvs.map_or(Ok(Vec::new()), |array| arrays::pairs(array, "uvs"))?,
-            colors: colors.map_or(Ok(Vec::new()), |array| arrays::colors(array, "colors"))?,
-        };
+        let shape = Shape::of(vertices, triangles, [normals, uvs, colors])?;
         let pose = pose.map_or(Ok(Mat4::IDENTITY), |matrix| arrays::to_matrix(matrix, "pose"))?;
         let surface = changed_surface(&Surface::default(), model, &parameters(values)?).map_err(raised)?;
-        let mesh = shape.mesh()?;
-        let scene = &mut self.project.scene;
-        scene.materials.push(Material { name: name.to_owned(), surface, ..Material::default() });
-        let material = Some(MaterialId(scene.materials.len() - 1));
-        let NodeId(node) = scene.push_mesh(name, Mesh { material, ..mesh });
-        scene.nodes[node].parent_from_node = Affine3A::from_mat4(pose);
-        self.rest.push(Affine3A::from_mat4(pose));
-        self.shapes.insert(node, Arc::new(shape));
-        Ok(node)
+        self.add_shape(name, shape, pose, surface)
     }
 
     /// Moves the vertices of a node's mesh, as many as it has. Without normals, faces that were flat stay so; others need theirs.
@@ -369,47 +314,13 @@ impl Scene {
         let node = self.node(node)?;
         let vertices = arrays::vectors(vertices, "vertices")?;
         let normals = normals.map_or(Ok(Vec::new()), |array| arrays::vectors(array, "normals"))?;
-        let own = match self.shapes.get(&node) {
-            Some(shape) => Shape::clone(shape),
-            None => {
-                let mesh = &self.project.scene.meshes[self.mesh_of(node)?.0];
-                Shape {
-                    vertices: mesh.positions.clone(),
-                    triangles: mesh.triangles.clone(),
-                    normals: mesh.normals.clone(),
-                    ..Shape::default()
-                }
-            }
-        };
-        if vertices.len() != own.vertices.len() {
-            return Err(refused(format!(
-                "the mesh has {} vertices, not {}",
-                own.vertices.len(),
-                vertices.len()
-            )));
-        }
-        if normals.is_empty() && !own.normals.is_empty() {
-            return Err(refused("the mesh has smooth normals: give those of the moved vertices"));
-        }
-        let shape = Shape { vertices, normals, ..own };
-        if self.shapes.contains_key(&node) {
-            self.replace(node, shape.mesh()?)?;
-            self.shapes.insert(node, Arc::new(shape));
-            return Ok(());
-        }
-        let Mesh { positions, normals, .. } = shape.mesh()?;
-        let mesh = Mesh::clone(&self.project.scene.meshes[self.mesh_of(node)?.0]);
-        self.replace(node, Mesh { positions, normals, ..mesh })?;
-        if !self.bent.contains(&node) {
-            self.bent.push(node);
-        }
-        Ok(())
+        self.bend(node, vertices, normals)
     }
 
     /// Vertices of a node's mesh in its own space, float32 (n, 3).
     fn vertices<'py>(&self, py: Python<'py>, node: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let node = self.node(node)?;
-        let mesh = &self.project.scene.meshes[self.mesh_of(node)?.0];
+        let mesh = self.mesh_of(node)?;
         let vertices = self.shapes.get(&node).map_or(&mesh.positions, |shape| &shape.vertices);
         arrays::floats(py, bytemuck::cast_slice(vertices), &[vertices.len(), 3])
     }
@@ -417,9 +328,8 @@ impl Scene {
     /// Corners of a node's mesh, int64 (n, 3), of its vertices.
     fn triangles<'py>(&self, py: Python<'py>, node: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let node = self.node(node)?;
-        let mesh = &self.project.scene.meshes[self.mesh_of(node)?.0];
-        let triangles = self.shapes.get(&node).map_or(&mesh.triangles, |shape| &shape.triangles);
-        indices(py, triangles)
+        let mesh = self.mesh_of(node)?;
+        arrays::indices(py, self.shapes.get(&node).map_or(&mesh.triangles, |shape| &shape.triangles))
     }
 
     /// A copy that changes by itself.
@@ -441,129 +351,12 @@ impl Scene {
         format!("<gnomon.Scene {}: {triangles} triangles, {nodes} nodes>", self.project.source)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (py, this) = (slf.py(), slf.borrow());
-        let vectors = |values: &[Vec3]| arrays::floats(py, bytemuck::cast_slice(values), &[values.len(), 3]);
-        let scene = &this.project.scene;
-        let added = this.shapes.iter().map(|(&node, shape)| {
-            let colors: Vec<Vec3> = shape.colors.iter().map(|color| color.truncate()).collect();
-            let parts = [
-                vectors(&shape.vertices)?,
-                indices(py, &shape.triangles)?,
-                vectors(&shape.normals)?,
-                arrays::floats(py, bytemuck::cast_slice(&shape.uvs), &[shape.uvs.len(), 2])?,
-                vectors(&colors)?,
-            ];
-            Ok((scene.nodes[node].name.clone(), parts))
-        });
-        let added: Vec<Added<'_>> = added.collect::<PyResult<_>>()?;
-        let moved = this.bent.iter().map(|&node| {
-            let mesh = &scene.meshes[this.mesh_of(node)?.0];
-            Ok((node, vectors(&mesh.positions)?, vectors(&mesh.normals)?))
-        });
-        let moved: Vec<Moved<'_>> = moved.collect::<PyResult<_>>()?;
-        let cells = |affine: Affine3A| Mat4::from(affine).to_cols_array().to_vec();
-        let poses: Vec<(Vec<f32>, Vec<f32>)> = scene
-            .nodes
-            .iter()
-            .zip(&this.rest)
-            .map(|(node, rest)| (cells(node.parent_from_node), cells(*rest)))
-            .collect();
-        let number = |material: usize| {
-            ReflectanceSettings::of(&this.project.surface(material))
-                .map(|settings| (material, settings.to_string()))
-        };
-        let surfaces: Vec<(usize, String)> = match this.source {
-            // Those of added meshes are no file's.
-            _ if !this.shapes.is_empty() => {
-                (0..scene.materials.len()).map(number).collect::<Result<_, _>>().map_err(raised)?
-            }
-            _ => this
-                .project
-                .look
-                .surfaces
-                .iter()
-                .map(|(&material, settings)| (material, settings.to_string()))
-                .collect(),
-        };
-        let animation = &this.project.look.animation;
-        let state = (
-            this.source.as_ref().map(|source| source.clone_ref(py)),
-            this.keywords.clone_ref(py),
-            added,
-            moved,
-            poses,
-            surfaces,
-            (animation.clip.clone(), animation.time),
-        );
-        Ok((slf.get_type().getattr("_restored")?, state.into_pyobject(py)?.into_any()))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (pickled::State<'py>,))> {
+        Ok((slf.get_type().getattr("_restored")?, (slf.borrow().state(slf.py())?,)))
     }
 
     #[staticmethod]
-    #[expect(clippy::too_many_arguments, reason = "the parts of a pickled scene")]
-    fn _restored(
-        py: Python<'_>,
-        source: Option<&Bound<'_, PyAny>>,
-        keywords: &Bound<'_, PyDict>,
-        added: &Bound<'_, PyList>,
-        moved: &Bound<'_, PyList>,
-        poses: Vec<(Vec<f32>, Vec<f32>)>,
-        surfaces: Vec<(usize, String)>,
-        animation: (Option<String>, f32),
-    ) -> PyResult<Self> {
-        let keywords = keywords.copy()?;
-        let mut scene = match source {
-            Some(source) => {
-                let format = keywords.get_item("format")?.map(|format| format.extract()).transpose()?;
-                keywords.call_method1("pop", ("format", py.None()))?;
-                Self::load(py, source, format, Some(&keywords))?
-            }
-            None => Self::new(py, Some(&keywords))?,
-        };
-        for part in added.iter() {
-            let (name, [vertices, triangles, normals, uvs, colors]): Added<'_> = part.extract()?;
-            scene.add_mesh(
-                &name,
-                &vertices,
-                &triangles,
-                Some(&normals),
-                Some(&uvs),
-                Some(&colors),
-                None,
-                None,
-                None,
-            )?;
-        }
-        for part in moved.iter() {
-            let (node, vertices, normals): Moved<'_> = part.extract()?;
-            scene.set_vertices(node.into_pyobject(py)?.as_any(), &vertices, Some(&normals))?;
-        }
-        if poses.len() != scene.project.scene.nodes.len() {
-            return Err(refused(format!("{} is not the scene that was pickled", scene.project.source)));
-        }
-        let affine = |cells: &[f32]| {
-            <&[f32; 16]>::try_from(cells).map(|cells| Affine3A::from_mat4(Mat4::from_cols_array(cells)))
-        };
-        for (node, (pose, rest)) in poses.iter().enumerate() {
-            let (Ok(pose), Ok(rest)) = (affine(pose), affine(rest)) else {
-                return Err(refused("this is no pickled scene"));
-            };
-            scene.project.place(NodeId(node), pose);
-            scene.rest[node] = rest;
-        }
-        for (material, text) in surfaces {
-            let settings = text.parse().map_err(|error: gnomon::scene::SceneError| raised(error))?;
-            scene.project.look.surfaces.insert(material, settings);
-        }
-        scene.play(animation.0, animation.1)?;
-        Ok(scene)
+    fn _restored(py: Python<'_>, state: pickled::State<'_>) -> PyResult<Self> {
+        Self::of_state(py, state)
     }
-}
-
-fn indices<'py>(py: Python<'py>, triangles: &[[u32; 3]]) -> PyResult<Bound<'py, PyAny>> {
-    let corners: Vec<i64> = triangles.iter().flatten().map(|&corner| i64::from(corner)).collect();
-    if corners.is_empty() {
-        return py.import("numpy")?.call_method1("zeros", ((0, 3), "int64"));
-    }
-    arrays::array(py, bytemuck::cast_slice(&corners), "int64", &[triangles.len(), 3])
 }

@@ -7,7 +7,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::environment::Environment;
 use crate::scene::Scene;
-use crate::view::View;
+use crate::view::{Size, View};
 use crate::{arrays, picture, work};
 
 /// Ray-traces a picture on all cores: float32 (height, width, 3), with `variance` two of them.
@@ -19,7 +19,7 @@ pub fn reference<'py>(
     scene: &Bound<'py, Scene>,
     camera: Option<&Bound<'py, PyAny>>,
     environment: Option<&Environment>,
-    size: Option<[u32; 2]>,
+    size: Option<Size>,
     samples: u32,
     seed: u64,
     variance: bool,
@@ -65,7 +65,7 @@ pub fn check<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let radiance = arrays::to_picture(radiance, "the picture")?;
     let size = [radiance.width(), radiance.height()];
-    let view = View::of(scene, camera, environment, Some(size), options)?;
+    let view = View::of(scene, camera, environment, Some(Size(size)), options)?;
     let error = work::run(py, None, |_| view.stage()?.check(&radiance, pixels))?;
     picture::document(py, &error)
 }

@@ -6,12 +6,13 @@ use gnomon::renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueS
 use gnomon::studio::{
     AnimationLook, CameraLook, Look, PictureSettings, Project, Stage, StudioError, Surroundings,
 };
+use gnomon_messages::quoted;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::camera::Camera;
 use crate::environment::Environment;
-use crate::error::raised;
+use crate::error::{raised, refused};
 use crate::keywords;
 use crate::scene::Scene;
 
@@ -23,6 +24,22 @@ pub type PictureOptions = (
         (LightingSettings, (TechniqueSettings, (PictureSettings, (DisplaySettings, AnimationLook)))),
     ),
 );
+
+/// Pixels across and down, as Python gives them.
+#[derive(Clone, Copy)]
+pub struct Size(pub [u32; 2]);
+
+impl FromPyObject<'_, '_> for Size {
+    type Error = PyErr;
+
+    fn extract(size: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        let sides = size.extract().ok().filter(|sides: &[u32; 2]| !sides.contains(&0));
+        sides.map(Self).ok_or_else(|| {
+            let size = size.repr().map_or_else(|_| String::new(), |text| text.to_string());
+            refused(format!("a size is (width, height) in whole pixels from 1, not {}", quoted(&size)))
+        })
+    }
+}
 
 /// Everything that a stage is made of. It can go to another thread, and what becomes of the scene meanwhile is nothing to it.
 pub struct View {
@@ -36,7 +53,7 @@ impl View {
         scene: &Bound<'_, Scene>,
         camera: Option<&Bound<'_, PyAny>>,
         environment: Option<&Environment>,
-        size: Option<[u32; 2]>,
+        size: Option<Size>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let given = keywords::given::<PictureOptions>(options, keywords::flag as fn(&OptionSpec) -> String)?;
@@ -50,7 +67,7 @@ impl View {
         look.map = environment.look.map;
         look.environment = environment.look.environment;
         given.apply(look);
-        look.picture.size = size.unwrap_or(look.picture.size);
+        look.picture.size = size.map_or(look.picture.size, |Size(size)| size);
         look.camera = fixed.unwrap_or_else(|| look.camera.clone());
         Ok(Self { project, surroundings: environment.surroundings })
     }

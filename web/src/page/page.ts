@@ -26,10 +26,15 @@ function notice(text: string, isBad = false): void {
 
 function fail(error: unknown): void {
   const text = error instanceof Error ? error.message : String(error);
-  notice(text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : "."), true);
+  // A sentence that begins with a file's name keeps it.
+  const sentence = text.replace(/^[a-z]+(?= )/, (word) => word.charAt(0).toUpperCase() + word.slice(1));
+  notice(sentence + (/[.!?]$/.test(text) ? "" : "."), true);
 }
 
-viewer.addEventListener("error", (event) => fail((event as Event as CustomEvent).detail.message));
+viewer.addEventListener("error", (event) => {
+  if (!viewer.loaded) element("caption").textContent = "";
+  fail((event as Event as CustomEvent).detail.message);
+});
 
 // --- what a link carries --------------------------------------------------------------------------------------------
 
