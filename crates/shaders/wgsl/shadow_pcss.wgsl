@@ -6,7 +6,14 @@
 // Percentage-closer soft shadows (Fernando 2005), filtered over the light's own outline, each of its points by what it adds to
 // irradiance.
 
-@group(GROUP_SHADOW) @binding(0) var<uniform> parameters: PcssParameters;
+struct PcssInput {
+    parameters: PcssParameters,
+    // Point sets, one after the other, each point in the unit disk (xy) and in the unit square (zw): those of the search and of the kernel, and
+    // the same with half as many points for near blockers.
+    points: array<vec4f, PCSS_POINTS>,
+}
+
+@group(GROUP_SHADOW) @binding(0) var<uniform> input: PcssInput;
 @group(GROUP_SHADOW) @binding(1) var depth_maps: texture_depth_2d_array;
 @group(GROUP_SHADOW) @binding(2) var lit_if_nearer: sampler_comparison;
 
@@ -30,37 +37,60 @@ fn map_depth(light: u32, receiver: vec4f, offset: vec2f) -> f32 {
     return textureLoad(depth_maps, texel, light, 0);
 }
 
+// A receiver, and the light's outline as it sees it.
+struct Seen {
+    light: u32,
+    outline: Outline,
+    weights: OutlineWeights,
+    // Of the geometric normal.
+    facet_cosines: vec3f,
+    receiver: vec4f,
+    gradient: vec2f,
+    bias: f32,
+}
+
+// Point of the outline by its place among those of all sets.
+fn point_of(seen: Seen, place: u32) -> vec2f {
+    let point = input.points[place];
+    return outline_at(seen.outline, point.xy, point.zw);
+}
+
+// What is nearer to the light than this, `offset` uv beside the receiver, blocks.
+fn least_lit_depth(seen: Seen, offset: vec2f) -> f32 {
+    return receiver_plane_depth(seen.receiver, seen.gradient, offset) - seen.bias;
+}
+
 // Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
-fn blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {
-    let scale = footprint_scale_uv(light, receiver.w, 0.0);
+fn blocker_search(seen: Seen) -> vec2f {
+    let scale = footprint_scale_uv(seen.light, seen.receiver.w, 0.0);
     var sum = 0.0;
     var count = 0.0;
-    for (var i = 0u; i < parameters.search_samples; i++) {
-        let offset = scale * outline_point(outline, i, parameters.search_samples);
-        let z = map_depth(light, receiver, offset);
-        if z < receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias {
-            sum += z;
-            count += 1.0;
-        }
+    for (var i = 0u; i < input.parameters.search_samples; i++) {
+        let offset = scale * point_of(seen, i);
+        let z = map_depth(seen.light, seen.receiver, offset);
+        let blocks = z < least_lit_depth(seen, offset);
+        sum += select(0.0, z, blocks);
+        count += select(0.0, 1.0, blocks);
     }
     return vec2f(sum / max(count, 1.0), count);
 }
 
 // The same of blockers near to the receiver: each sample in a narrower cone than the one before, of what lies within that cone's share of the
 // way to the near plane.
-fn near_blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: vec2f) -> vec2f {
-    let scale = footprint_scale_uv(light, receiver.w, 0.0);
+fn near_blocker_search(seen: Seen) -> vec2f {
+    let scale = footprint_scale_uv(seen.light, seen.receiver.w, 0.0);
     let least = LEAST_TEXELS / f32(textureDimensions(depth_maps).x);
-    let samples = max(parameters.search_samples / 2u, 1u);
+    let first = input.parameters.search_samples + input.parameters.filter_samples;
+    let samples = max(input.parameters.search_samples / 2u, 1u);
     let step = pow(NEAREST / NEAR, 1.0 / f32(samples));
     var share = NEAR;
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0u; i < samples; i++) {
-        let offset = share * scale * outline_point(outline, i, samples);
-        let z = map_depth(light, receiver, offset);
-        if z >= receiver.w * (1.0 - share) && footprint_scale_uv(light, receiver.w, z) >= least
-            && z < receiver_plane_depth(receiver, gradient, offset) - lights[light].bias_scale * parameters.depth_bias {
+        let offset = share * scale * point_of(seen, first + i);
+        let z = map_depth(seen.light, seen.receiver, offset);
+        if z < least_lit_depth(seen, offset) && z >= seen.receiver.w * (1.0 - share)
+            && footprint_scale_uv(seen.light, seen.receiver.w, z) >= least {
             sum += z;
             count += 1.0;
         }
@@ -69,46 +99,48 @@ fn near_blocker_search(light: u32, outline: Outline, receiver: vec4f, gradient: 
     return vec2f(sum / max(count, 1.0), count);
 }
 
-// A receiver, and the light's outline as it sees it.
-struct Seen {
-    light: u32,
-    outline: Outline,
-    outline_seen: mat3x3f,
-    receiver: vec4f,
-    gradient: vec2f,
-    normal_world: vec3f,
-    n: vec3f,
-}
-
-// Share of the light that blockers behind the depth `front` leave, as if all lay at the depth `z`. Where others hide them, they are taken to be
-// as dense as where they are seen.
-fn share_left(seen: Seen, samples: u32, z: f32, front: f32) -> f32 {
+// Share of the light that blockers leave, as if all lay at the depth `z`.
+fn share_left(seen: Seen, z: f32) -> f32 {
     let scale = footprint_scale_uv(seen.light, seen.receiver.w, z);
+    let first = input.parameters.search_samples;
     var lit = 0.0;
-    var told = 0.0;
     var weights = 0.0;
-    for (var i = 0u; i < samples; i++) {
-        let point = outline_point(seen.outline, i, samples);
-        let weight = irradiance_weight(seen.outline_seen, seen.n, point);
+    for (var i = 0u; i < input.parameters.filter_samples; i++) {
+        let point = point_of(seen, first + i);
+        let weight = outline_weight(seen.weights, point);
+        weights += weight;
         let offset = scale * point;
         let uv = seen.receiver.xy + offset;
-        let d = receiver_plane_depth(seen.receiver, seen.gradient, offset) - lights[seen.light].bias_scale * parameters.depth_bias;
-        weights += weight;
-        if front > 0.0 {
-            told += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, min(front, d));
-        }
-        if !is_behind_surface(seen.outline_seen, seen.normal_world, point) {
-            lit += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, d);
-        }
-    }
-    if front > 0.0 {
-        return select(lit / max(told, 1e-9), 1.0, told < LEAST_TOLD * weights);
+        let open = textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, least_lit_depth(seen, offset));
+        lit += select(0.0, weight * open, outline_cosine(seen.facet_cosines, point) > 0.0);
     }
     return lit / max(weights, 1e-9);
 }
 
+// The same of blockers behind the depth `front`. Where others hide them, they are taken to be as dense as where they are seen.
+fn share_left_behind(seen: Seen, z: f32, front: f32) -> f32 {
+    let scale = footprint_scale_uv(seen.light, seen.receiver.w, z);
+    let samples = max(input.parameters.filter_samples / 2u, 1u);
+    let first = input.parameters.search_samples + input.parameters.filter_samples + max(input.parameters.search_samples / 2u, 1u);
+    var lit = 0.0;
+    var told = 0.0;
+    var weights = 0.0;
+    for (var i = 0u; i < samples; i++) {
+        let point = point_of(seen, first + i);
+        let weight = outline_weight(seen.weights, point);
+        weights += weight;
+        let offset = scale * point;
+        let uv = seen.receiver.xy + offset;
+        let d = least_lit_depth(seen, offset);
+        told += weight * textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, min(front, d));
+        let open = textureSampleCompareLevel(depth_maps, lit_if_nearer, uv, seen.light, d);
+        lit += select(0.0, weight * open, outline_cosine(seen.facet_cosines, point) > 0.0);
+    }
+    return select(lit / max(told, 1e-9), 1.0, told < LEAST_TOLD * weights);
+}
+
 fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
-    let position = less_offset(light, position_world, normal_world, parameters.normal_offset_scale);
+    let position = less_offset(light, position_world, normal_world, input.parameters.normal_offset_scale);
     let receiver = receiver_in_light(light, position, normal_world);
     if any(receiver.xy < vec2f(0.0)) || any(receiver.xy > vec2f(1.0)) {
         return 1.0;
@@ -116,20 +148,23 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let gradient = receiver_depth_gradient(light, position, normal_world, receiver);
     // Different lights take different points, so that their banding does not add up (Roberts 2018, R2).
     let outline = light_outline(light, fract(f32(light) * vec2f(0.7548777, 0.5698403)));
-    let seen = Seen(light, outline, outline_from(light, position_world), receiver, gradient, normal_world, n);
+    let outline_seen = outline_from(light, position_world);
+    let bias = lights[light].bias_scale * input.parameters.depth_bias;
+    let seen =
+        Seen(light, outline, outline_weights(outline_seen, n), normal_world * outline_seen, receiver, gradient, bias);
     var left = 1.0;
-    let blockers = blocker_search(light, outline, receiver, gradient);
+    let blockers = blocker_search(seen);
     if blockers.y > 0.0 {
-        left = share_left(seen, parameters.filter_samples, blockers.x, 0.0);
+        left = share_left(seen, blockers.x);
     }
     // A curved surface that the light grazes would be its own near blocker.
-    let n_dot_l = dot(normal_world, normalize(seen.outline_seen[0]));
-    let half_extent = box_half_extent(light) / select(length(seen.outline_seen[0]), 1.0, lights[light].kind == KIND_DISTANT);
+    let n_dot_l = dot(normal_world, normalize(outline_seen[0]));
+    let half_extent = box_half_extent(light) / select(length(outline_seen[0]), 1.0, lights[light].kind == KIND_DISTANT);
     if left > 0.0 && n_dot_l > 0.5 * max(half_extent.x, half_extent.y) {
-        let near = near_blocker_search(light, outline, receiver, gradient);
+        let near = near_blocker_search(seen);
         if near.y > 0.0 {
             let front = max(receiver.w - NEAR_REACH * (receiver.w - near.x), 1e-6);
-            left = min(left, share_left(seen, max(parameters.filter_samples / 2u, 1u), near.x, front));
+            left = min(left, share_left_behind(seen, near.x, front));
         }
     }
     return left;

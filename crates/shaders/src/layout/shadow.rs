@@ -3,6 +3,10 @@
 use glam::{Vec3, Vec4};
 
 super::constants! {
+    /// Most points that percentage-closer soft shadows look at, of all their sets.
+    pub const PCSS_POINTS: u32 = 3 * PCSS_SAMPLES;
+    /// Most points of one of them.
+    pub const PCSS_SAMPLES: u32 = 1024;
     /// Rows or columns of a summed-area table a workgroup.
     pub const LINE_WORKGROUP: u32 = 32;
     /// Nodes that are refitted by a workgroup.
