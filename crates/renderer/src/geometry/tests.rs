@@ -131,3 +131,28 @@ fn instances_that_come_and_go_do_not_fill_the_buffers() {
         assert!(geometry.instances.size() <= 16 * 1024);
     }
 }
+
+#[test]
+fn copies_take_the_room_of_one_mesh_and_their_places() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let pass = TransformPass::new(&gpu).unwrap();
+    let mut scene = builtin::without_ground("terrain").unwrap();
+    let node = scene.nodes.iter().find(|node| !node.meshes.is_empty()).unwrap().clone();
+    let build = |scene: &Scene, before| Geometry::new(&gpu, &pass, scene, before).unwrap();
+    let (mut geometry, one) = uploaded(&gpu, || build(&scene, None));
+    for copies in [2, 1000, 3] {
+        scene.nodes.truncate(1);
+        for copy in 1..copies {
+            let parent_from_node = Affine3A::from_translation(Vec3::X * copy as f32) * node.parent_from_node;
+            scene.nodes.push(Node { parent_from_node, ..node.clone() });
+        }
+        let (next, more) = uploaded(&gpu, || build(&scene, Some(&geometry)));
+        println!("{one} bytes, {more} for {copies} copies");
+        assert!(more <= 64 * copies as u64 + 4096, "{more} bytes for {copies} copies");
+        assert_eq!(next.vertices.count(), geometry.vertices.count());
+        assert_eq!(next.boxes.len(), copies);
+        let drawn: usize = next.ranges.iter().map(|range| range.placements.len()).sum();
+        assert_eq!(drawn, copies);
+        geometry = next;
+    }
+}
