@@ -14,7 +14,7 @@ use gnomon_renderer::{
     Change, Gpu, GpuOptions, LightingChange, PreparedLighting, RenderError, RenderSettings, Renderer,
     SceneChange,
 };
-use gnomon_scene::{Camera, Mesh, MeshId, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
+use gnomon_scene::{Camera, Mesh, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
 
 const SIZE: [u32; 2] = [48, 36];
 /// Texels along the side of the largest texture of a device that has few.
