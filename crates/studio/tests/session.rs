@@ -338,4 +338,14 @@ fn another_stage_gives_the_picture_of_a_new_session() {
         let opened = picture(&mut Studio::new(&gpu, stage.clone()).unwrap());
         assert!(picture(&mut studio) == opened);
     }
+    let lights = std::ptr::from_ref(studio.lights());
+    studio.set_stage(moved).unwrap();
+    assert_eq!(std::ptr::from_ref(studio.lights()), lights, "the lights of the same environment stay");
+    studio.set_stage(first).unwrap();
+    let before = picture(&mut studio);
+    let refused = stage(&|project| {
+        (project.look.techniques.shadow_memory, project.look.techniques.shadow_resolution) = (1, 4096);
+    });
+    assert!(matches!(studio.set_stage(refused), Err(StudioError::Render(RenderError::OverBudget { .. }))));
+    assert!(picture(&mut studio) == before);
 }
