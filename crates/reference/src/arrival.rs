@@ -11,6 +11,9 @@ use crate::{Ray, ReferenceError, camera_ray};
 
 /// Places of the picture that receivers are seen at.
 const RECEIVERS: UVec2 = UVec2::new(32, 24);
+/// Most placed triangles that are traced where nobody asked for it: the hierarchy of more would take a gigabyte. Scenes of more are taken
+/// for no interiors.
+pub const MOST_UNASKED_TRIANGLES: usize = 1 << 22;
 /// A receiver looks in one of so many directions, each another part of them.
 const PARTS: usize = 4;
 /// Where rays begin and end.
@@ -18,7 +21,8 @@ const SEED: u64 = 0x6172_7269;
 
 /// What of the light of every direction arrives in an interior: at what the camera sees, and at what can be seen from there, so that a
 /// camera that turns finds much the same. Directions are the environment's, which is turned by `world_from_environment`; `aspect` is the
-/// picture's width over its height. `None` where a scene is no interior: much of the sky is open, or nothing is seen.
+/// picture's width over its height. `None` where a scene is no interior: much of the sky is open, or nothing is seen; and where it has more than
+/// [`MOST_UNASKED_TRIANGLES`].
 ///
 /// # Errors
 /// As [`crate::render`].
@@ -29,6 +33,9 @@ pub fn interior_arrival(
     world_from_environment: Quat,
 ) -> Result<Option<Arrival>, ReferenceError> {
     check_camera(camera)?;
+    if scene.triangle_count() > MOST_UNASKED_TRIANGLES {
+        return Ok(None);
+    }
     let traced = TracedScene::new(scene)?;
     // The lens is as wide as the picture's: only proportions of the size count.
     let size = UVec2::new((aspect.clamp(1e-3, 1e3) * 4096.0) as u32 + 1, 4096);

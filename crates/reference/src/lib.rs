@@ -34,7 +34,7 @@ mod spherical_rectangle;
 mod traced_scene;
 mod welford;
 
-pub use arrival::interior_arrival;
+pub use arrival::{MOST_UNASKED_TRIANGLES, interior_arrival};
 pub use camera_ray::{Ray, camera_ray};
 pub use error::ReferenceError;
 pub use pixels::trace_pixels;

@@ -6,6 +6,7 @@ use glam::{Affine3A, Vec3};
 use gnomon_lights::DistantLight;
 use gnomon_scene::Bounds;
 
+use crate::geometry::Draw;
 use crate::ground::Ground;
 
 /// What lies so far on the other side of a plane lies in it, as a share of the longest side of the box around everything.
@@ -20,6 +21,8 @@ pub(crate) struct InstanceBox {
     /// What may be drawn in place of `indices`, the finest first.
     pub simpler: Vec<SimplerIndices>,
     pub instance: usize,
+    /// That its triangles are drawn at, 0 in world space.
+    pub placement: u32,
     pub world_from_mesh: Affine3A,
     /// Whether it blocks light.
     pub casts: bool,
@@ -54,6 +57,7 @@ pub(crate) struct PlacedBoxes {
 pub(crate) struct PlacedBox {
     /// Place of what it is around among the placed meshes.
     pub instance: usize,
+    placement: u32,
     pub corners: [Vec3; 8],
     pub indices: Option<Range<u32>>,
     pub simpler: Vec<SimplerIndices>,
@@ -72,6 +76,7 @@ impl PlacedBoxes {
         let tolerance = IN_PLANE * around.map_or(0.0, |around| (around.max - around.min).max_element());
         let placed = |(index, corners): (usize, &[Vec3; 8])| PlacedBox {
             instance: boxes[index].instance,
+            placement: boxes[index].placement,
             corners: *corners,
             indices: boxes[index].indices.clone(),
             simpler: boxes[index].simpler.clone(),
@@ -82,7 +87,7 @@ impl PlacedBoxes {
         Self { boxes: all_corners.iter().enumerate().map(placed).collect(), around, tolerance }
     }
 
-    /// What can cast a shadow: of all indices up to `end` and the simpler ones behind them.
+    /// What can cast a shadow: of all indices in world space, which end at `end`, and the simpler ones behind them, and of copies.
     pub fn casters(&self, wanted: &Casters<'_>, end: u32) -> DrawnCasters {
         let blocks_nothing = |place: &PlacedBox| match (place.ground, wanted.above) {
             _ if !place.casts => true,
@@ -94,15 +99,29 @@ impl PlacedBoxes {
         };
         let mut replaced: Vec<Range<u32>> = Vec::new();
         let mut simpler: Vec<Range<u32>> = Vec::new();
+        let mut copies: Vec<Draw> = Vec::new();
         let mut deviation_world = 0.0f32;
         for place in &self.boxes {
             let Some(own) = &place.indices else { continue };
-            if blocks_nothing(place) {
-                replaced.push(own.clone());
-            } else if let Some(found) = place.simpler.iter().take_while(|s| is_enough(place, s)).last() {
-                replaced.push(own.clone());
-                simpler.push(found.indices.clone());
+            let blocks_nothing = blocks_nothing(place);
+            let found = place.simpler.iter().take_while(|s| !blocks_nothing && is_enough(place, s)).last();
+            if let Some(found) = found {
                 deviation_world = deviation_world.max(found.deviation * place.scale);
+            }
+            let found = found.map(|found| found.indices.clone());
+            if place.placement == 0 {
+                if blocks_nothing || found.is_some() {
+                    replaced.push(own.clone());
+                }
+                simpler.extend(found);
+            } else if !blocks_nothing {
+                let indices = found.unwrap_or_else(|| own.clone());
+                match copies.last_mut() {
+                    Some(last) if last.indices == indices && last.placements.end == place.placement => {
+                        last.placements.end += 1;
+                    }
+                    _ => copies.push(Draw { indices, placements: place.placement..place.placement + 1 }),
+                }
             }
         }
         replaced.sort_by_key(|range| range.start);
@@ -117,7 +136,8 @@ impl PlacedBoxes {
                 _ => indices.push(range),
             }
         }
-        DrawnCasters { indices, deviation_world }
+        let draws = indices.into_iter().map(Draw::in_world).chain(copies).collect();
+        DrawnCasters { draws, deviation_world }
     }
 
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
@@ -138,7 +158,7 @@ pub(crate) struct Casters<'a> {
 /// What a shadow map shows of the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnCasters {
-    pub indices: Vec<Range<u32>>,
+    pub draws: Vec<Draw>,
     /// The greatest deviation among them [m].
     pub deviation_world: f32,
 }
@@ -162,9 +182,45 @@ pub(crate) mod tests {
             indices: None,
             simpler: Vec::new(),
             instance: 0,
+            placement: 0,
             world_from_mesh: Affine3A::IDENTITY,
             casts: true,
         }
+    }
+
+    fn in_world(draw: &Draw) -> (u32, u32) {
+        assert_eq!(draw.placements, 0..1);
+        (draw.indices.start, draw.indices.end)
+    }
+
+    #[test]
+    fn copies_are_drawn_at_their_placements_each_as_coarse_as_it_may_be() {
+        let p = Vec3::new;
+        let copy = |placement: u32, scale: f32| InstanceBox {
+            indices: Some(6..12),
+            simpler: vec![SimplerIndices { deviation: 0.01, indices: 20..23 }],
+            instance: placement as usize,
+            placement,
+            world_from_mesh: Affine3A::from_scale(Vec3::splat(scale)),
+            ..placed(p(-1.0, 0.0, -1.0), p(1.0, 2.0, 1.0))
+        };
+        let own = InstanceBox { indices: Some(0..6), ..placed(p(-4.0, 0.0, -4.0), p(4.0, 1.0, 4.0)) };
+        let catcher = InstanceBox { casts: false, ..copy(6, 1.0) };
+        let boxes = [
+            own,
+            copy(1, 1.0),
+            copy(2, 1.0),
+            copy(3, 9.0),
+            copy(4, 9.0),
+            copy(5, 1.0),
+            catcher,
+            copy(7, 1.0),
+        ];
+        let drawn = PlacedBoxes::new(&boxes).casters(&Casters { above: None, deviation_world: 0.02 }, 6);
+        let draw = |indices, placements| Draw { indices, placements };
+        let whole = [draw(0..6, 0..1), draw(20..23, 1..3), draw(6..12, 3..5), draw(20..23, 5..6)];
+        assert_eq!(drawn.draws, [&whole[..], &[draw(20..23, 7..8)]].concat());
+        assert_eq!(drawn.deviation_world, 0.01);
     }
 
     #[test]
@@ -176,7 +232,7 @@ pub(crate) mod tests {
         let of = |scene: &PlacedBoxes, towards: glam::DVec3| {
             let light = DistantLight::disk(towards.normalize(), 0.3, glam::DVec3::ONE);
             let drawn = scene.casters(&Casters { above: Some(&light), deviation_world: 0.0 }, 20);
-            drawn.indices.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+            drawn.draws.iter().map(in_world).collect::<Vec<_>>()
         };
         let casters = |towards| of(&scene, towards);
         let d = glam::DVec3::new;
@@ -208,7 +264,7 @@ pub(crate) mod tests {
         let drawn = |above, deviation_world| {
             let drawn = scene.casters(&Casters { above, deviation_world }, 20);
             assert!(deviation_world.is_nan() || drawn.deviation_world <= deviation_world);
-            drawn.indices.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
+            drawn.draws.iter().map(in_world).collect::<Vec<_>>()
         };
         // In the world the simpler ones deviate by twice as much.
         assert_eq!(drawn(None, 0.0), [(0, 20)]);

@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 
 use glam::{Affine3A, Mat4, Vec3};
-use gnomon_scene::{Instance, Mesh, MeshId, Pose, Scene, normal_matrix};
+use gnomon_scene::{Mesh, MeshId, Pose, Scene, normal_matrix};
 use gnomon_shaders::layout;
+
+use crate::geometry::Bodies;
 
 /// The records of all meshes' vertices, as `transform.wgsl` reads them.
 pub(crate) struct Records {
@@ -70,11 +72,13 @@ pub(crate) struct PoseData {
     pub joints: Vec<[[f32; 4]; 4]>,
     /// Morph weights of all instances that have targets.
     pub weights: Vec<f32>,
+    /// As [`Bodies::placements`].
+    pub placements: Vec<[[f32; 4]; 4]>,
 }
 
 impl PoseData {
-    /// `numbers` are those that the vertices of each placed mesh know their instance by.
-    pub fn new(scene: &Scene, pose: &Pose, placed: &[Instance], numbers: &[u32]) -> Self {
+    /// `numbers` are those that the vertices of each body know their instance by.
+    pub fn new(scene: &Scene, pose: &Pose, bodies: &Bodies, numbers: &[u32]) -> Self {
         let mut joints = Vec::new();
         let mut first_joints = Vec::with_capacity(pose.world_from_bind.len());
         for skin in &pose.world_from_bind {
@@ -84,7 +88,18 @@ impl PoseData {
         let mut weights = Vec::new();
         let count = numbers.iter().max().map_or(0, |last| *last as usize + 1);
         let mut instances = vec![layout::Instance::default(); count];
-        for (instance, number) in placed.iter().zip(numbers) {
+        for (range, number) in bodies.ranges.iter().zip(numbers) {
+            if range.start >= bodies.own {
+                // Copies are placed as they are drawn.
+                instances[*number as usize] = layout::Instance {
+                    world_from_mesh: Mat4::IDENTITY,
+                    normal_from_mesh: Mat4::IDENTITY,
+                    first_joint: layout::NO_SKIN,
+                    first_weight: 0,
+                };
+                continue;
+            }
+            let instance = &bodies.placed[range.start];
             let first_weight = weights.len() as u32;
             weights.extend(scene.morph_weights(instance));
             instances[*number as usize] = layout::Instance {
@@ -101,7 +116,8 @@ impl PoseData {
         if weights.is_empty() {
             weights.push(0.0);
         }
-        Self { instances, joints, weights }
+        let placements = bodies.placements().iter().map(Mat4::to_cols_array_2d).collect();
+        Self { instances, joints, weights, placements }
     }
 }
 

@@ -1,7 +1,7 @@
 use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2, Groups, Shader};
-use crate::geometry::{DrawRange, Geometry};
+use crate::geometry::{DrawRange, Geometry, placements_layout};
 use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::shadow::depth_maps::DEPTH_FORMAT;
@@ -271,10 +271,12 @@ pub(crate) fn pipeline(
     groups: Groups<'_>,
     (formats, depth): (&[wgpu::TextureFormat], wgpu::CompareFunction),
 ) -> wgpu::RenderPipeline {
+    let placements = placements_layout(gpu);
+    let groups = [groups, &[(layout::GROUP_PLACEMENTS, &placements)]].concat();
     let targets: Vec<_> = formats.iter().map(|&format| Some(format.into())).collect();
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
-        layout: Some(&gpu.pipeline_layout(groups)),
+        layout: Some(&gpu.pipeline_layout(&groups)),
         vertex: wgpu::VertexState {
             module: &shader.module,
             entry_point: Some("gbuffer_vertex"),
@@ -315,6 +317,7 @@ pub(crate) fn draw<'a>(
     }
     pass.set_pipeline(pipeline);
     pass.set_bind_group(layout::GROUP_FRAME, view_group, &[]);
+    pass.set_bind_group(layout::GROUP_PLACEMENTS, geometry.placements_group(), &[]);
     for (slot, buffer) in (0..).zip(geometry.vertex_buffers()) {
         pass.set_vertex_buffer(slot, buffer.slice(..));
     }
@@ -329,8 +332,8 @@ pub(crate) fn draw<'a>(
             }
             let material = materials.number(range.material);
             pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(material), &[]);
-            let instance = material as u32 * parts + part;
-            pass.draw_indexed(range.indices.clone(), 0, instance..instance + 1);
+            let instances = geometry.instances_of(material as u32 * parts + part, &range.placements);
+            pass.draw_indexed(range.indices.clone(), 0, instances);
         }
     }
 }

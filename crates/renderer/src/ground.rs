@@ -93,6 +93,7 @@ mod tests {
             indices: None,
             simpler: Vec::new(),
             instance: 0,
+            placement: 0,
             world_from_mesh: place,
             casts: true,
         };

@@ -222,6 +222,7 @@ mod tests {
             indices: None,
             simpler: Vec::new(),
             instance: 0,
+            placement: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
             casts: true,
         }])

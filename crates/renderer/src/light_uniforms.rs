@@ -164,7 +164,7 @@ impl LightFitting {
                 let Some(seen) = seen else {
                     let uniform = light_uniform(light, scene, &ViewSlice::WHOLE, resolution, 0.0);
                     let nowhere = layout::Light { role, to_distance: 0.0, ..uniform };
-                    return (nowhere, DrawnCasters { indices: Vec::new(), deviation_world: 0.0 });
+                    return (nowhere, DrawnCasters { draws: Vec::new(), deviation_world: 0.0 });
                 };
                 let mut uniform = light_uniform(light, scene, &seen, resolution, self.normal_offset_texels);
                 if let Some(points) = points {
@@ -181,7 +181,7 @@ impl LightFitting {
                 (uniform, Casters::default())
             }
         };
-        let drawn = scene.casters(&wanted, geometry.index_count);
+        let drawn = geometry.casters(&wanted);
         uniform.caster_deviation_world = drawn.deviation_world;
         (uniform, drawn)
     }

@@ -172,6 +172,7 @@ mod tests {
             indices: None,
             simpler: Vec::new(),
             instance: 0,
+            placement: 0,
             world_from_mesh: Affine3A::from_rotation_y(0.7),
             casts: true,
         }]
@@ -236,6 +237,7 @@ mod tests {
             simpler: Vec::new(),
             bounds: Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 0.0, 9.0) },
             instance: 1,
+            placement: 0,
             world_from_mesh: Affine3A::IDENTITY,
             casts: true,
         };

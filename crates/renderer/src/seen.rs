@@ -6,7 +6,7 @@ use gnomon_shaders::layout;
 
 use crate::bindings::{Binding, D2, set_groups};
 use crate::gbuffer::{GBufferPass, VERTEX_BUFFERS, vertex_buffer};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, placements_layout};
 use crate::materials::Materials;
 use crate::recorder::Recorder;
 use crate::shadow::depth_maps::DEPTH_FORMAT;
@@ -14,6 +14,12 @@ use crate::{Gpu, RenderError};
 
 /// Of what is drawn, twice 16 bytes a pixel, and of a layer.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+
+/// Where vertices were drawn in another frame.
+pub(crate) struct DrawnVertices {
+    pub positions: wgpu::Buffer,
+    pub placements: wgpu::Buffer,
+}
 
 /// Draws what is seen and makes layers of it.
 pub(crate) struct SeenPass {
@@ -39,14 +45,19 @@ pub(crate) struct SeenTarget {
 impl SeenPass {
     pub fn new(gpu: &Gpu, gbuffer: &GBufferPass) -> Result<Self, RenderError> {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-        let frame = [(0, Binding::Uniform), (1, Binding::Uniform), (2, Binding::Storage { read_only: true })];
+        let read = Binding::Storage { read_only: true };
+        let frame = [(0, Binding::Uniform), (1, Binding::Uniform), (2, read), (3, read)];
         let frame_layout = gpu.layout("seen frame", stages, &frame);
         let shader = gpu.shader("seen", &[])?;
         // Positions of the frame before follow those of this one.
         let mut buffers = VERTEX_BUFFERS.to_vec();
         buffers.push(vertex_buffer(16, &wgpu::vertex_attr_array![5 => Float32x4]));
-        let groups =
-            [(layout::GROUP_FRAME, &frame_layout), (layout::GROUP_SURFACE, &gbuffer.material_layout)];
+        let placements = placements_layout(gpu);
+        let groups = [
+            (layout::GROUP_FRAME, &frame_layout),
+            (layout::GROUP_SURFACE, &gbuffer.material_layout),
+            (layout::GROUP_PLACEMENTS, &placements),
+        ];
         let draw = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("seen"),
             layout: Some(&gpu.pipeline_layout(&groups)),
@@ -113,25 +124,25 @@ impl SeenPass {
         recorder: &mut Recorder<'_>,
         target: &SeenTarget,
         (view, frame): (&layout::View, &layout::SeenFrame),
-        (geometry, before): (&Geometry, Option<&wgpu::Buffer>),
+        (geometry, before): (&Geometry, Option<&DrawnVertices>),
         materials: &Materials,
     ) -> wgpu::BindGroup {
         let gpu = recorder.gpu;
         gpu.write(&self.view, view);
         gpu.write(&self.seen_frame, frame);
-        let instances: Vec<_> = geometry.instances().collect();
-        let draws: Vec<_> = instances
-            .iter()
-            .map(|(node, material, _)| layout::SeenDraw {
-                object: node.0 as u32 + 1,
-                material: materials.number(*material) as u32,
-            })
-            .collect();
+        let seen_draw = |(node, material): (gnomon_scene::NodeId, _)| layout::SeenDraw {
+            object: node.0 as u32 + 1,
+            material: materials.number(material) as u32,
+        };
+        // They are counted from 1.
+        let draws: Vec<_> =
+            std::iter::once(Default::default()).chain(geometry.instances().map(seen_draw)).collect();
         let draws = gpu.shared_buffer("seen draws", draws.as_slice(), wgpu::BufferUsages::STORAGE);
         let resources = [
             (0, self.view.as_entire_binding()),
             (1, self.seen_frame.as_entire_binding()),
             (2, draws.as_entire_binding()),
+            (3, before.map_or(geometry.placements(), |before| &before.placements).as_entire_binding()),
         ];
         let group = gpu.bind_group("seen frame", &self.frame_layout, &resources);
         let attachments = target.images.each_ref().map(|view| {
@@ -157,16 +168,17 @@ impl SeenPass {
         if geometry.index_count > 0 {
             pass.set_pipeline(&self.draw);
             pass.set_bind_group(layout::GROUP_FRAME, &group, &[]);
+            pass.set_bind_group(layout::GROUP_PLACEMENTS, geometry.placements_group(), &[]);
             let buffers = geometry.vertex_buffers();
-            let before = before.unwrap_or(buffers[0]);
+            let before = before.map_or(buffers[0], |before| &before.positions);
             for (slot, buffer) in (0..).zip(buffers.into_iter().chain([before])) {
                 pass.set_vertex_buffer(slot, buffer.slice(..));
             }
             pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for (draw, (_, material, indices)) in (0..).zip(instances) {
+            for (number, material, draw) in geometry.bodies() {
                 let material = materials.number(material);
                 pass.set_bind_group(layout::GROUP_SURFACE, materials.bind_group(material), &[]);
-                pass.draw_indexed(indices, 0, draw..draw + 1);
+                pass.draw_indexed(draw.indices, 0, geometry.instances_of(number, &draw.placements));
             }
         }
         drop(pass);

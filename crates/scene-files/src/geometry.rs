@@ -12,12 +12,16 @@ pub const VERTEX_BYTES: usize = 12 + 12 + 16 + 2 * 8 + 16;
 /// Bytes of one triangle's indices.
 pub const TRIANGLE_BYTES: usize = 12;
 
+/// A flat mesh of more triangles shares the vertices of its corners: unshared ones, which have normals of their own, would take five times the
+/// memory.
+const MOST_UNSHARED: usize = 1 << 20;
+
 /// Makes a mesh as [`Mesh`] promises it. `mesh` has arrays of equal length (or empty ones) and indices in range;
 /// `what` names it in warnings. `tangent_set` is the texture coordinate set of the normal map, if there is one.
 ///
 /// - A triangle with a corner that is not finite, or beyond [`LARGEST_COORDINATE`], is dropped with a warning.
 /// - Triangles without area stay: they are seen by nobody.
-/// - No normals: flat ones, corners unshared. A normal that is zero or not finite: its triangles' mean.
+/// - No normals: flat ones, corners unshared; a large mesh that nothing bends stays without any, which means the same. A normal that is zero or not finite: its triangles' mean.
 /// - Offsets of morph targets that are no numbers, or beyond [`LARGEST_COORDINATE`], become 0 with a warning. A target
 ///   brings flat normals where the mesh has them, and none where the mesh is none to add to.
 /// - Texture coordinates that are not finite become 0, colours 1; negative colours 0.
@@ -35,6 +39,11 @@ pub fn finish(
     }
     for color in &mut mesh.colors {
         *color = if color.is_finite() { color.max(Vec4::ZERO) } else { Vec4::ONE };
+    }
+    let is_plain = tangent_set.is_none() && mesh.targets.is_empty() && mesh.influences.is_empty();
+    if mesh.normals.is_empty() && is_plain && mesh.triangles.len() > MOST_UNSHARED {
+        mesh.tangents = Vec::new();
+        return Ok(mesh);
     }
     if mesh.normals.is_empty() {
         budget.take(mesh.triangles.len(), 3 * (VERTEX_BYTES + deformation_bytes(&mesh)))?;

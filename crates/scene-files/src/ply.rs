@@ -212,7 +212,12 @@ impl Vertices {
         let with_uvs = has(&[Role::Uv(0), Role::Uv(1)]);
         let with_colors = has(&[Role::Color(0), Role::Color(1), Role::Color(2)]);
         let count = usize::try_from(element.count).map_err(|_| Fault::invalid("too many vertices"))?;
-        budget.take(count, geometry::VERTEX_BYTES + size_of::<DVec3>())?;
+        let bytes_each = size_of::<DVec3>()
+            + size_of::<Vec3>()
+            + if with_normals { size_of::<Vec3>() } else { 0 }
+            + if with_uvs { size_of::<Vec2>() } else { 0 }
+            + if with_colors { size_of::<Vec4>() } else { 0 };
+        budget.take(count, bytes_each)?;
         self.positions.reserve_exact(count);
         for _ in 0..count {
             let (mut position, mut normal, mut uv, mut color) =

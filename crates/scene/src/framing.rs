@@ -86,7 +86,7 @@ impl Scene {
     fn make_catcher(&mut self, node: NodeId) {
         for mesh in self.nodes[node.0].meshes.clone() {
             let own = Arc::make_mut(&mut self.meshes[mesh.0]);
-            if own.normals.iter().all(|normal| normal.y.abs() > 0.9999) {
+            if !own.normals.is_empty() && own.normals.iter().all(|normal| normal.y.abs() > 0.9999) {
                 let material = own.material.and_then(|material| self.materials.get(material.0)).cloned();
                 self.materials.push(Material { catches: true, ..material.unwrap_or_default() });
                 own.material = Some(MaterialId(self.materials.len() - 1));

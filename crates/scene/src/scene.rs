@@ -28,7 +28,8 @@ pub struct SkinId(pub usize);
 pub struct Mesh {
     /// Positions in mesh space [m].
     pub positions: Vec<Vec3>,
-    /// Unit shading normals in mesh space. Loaders make flat ones (vertices unshared) where the file has none.
+    /// Unit shading normals in mesh space. Loaders make flat ones (vertices unshared) where the file has none; without any a mesh is flat
+    /// as well, as large ones are left.
     pub normals: Vec<Vec3>,
     /// Unit tangents with the bitangent's sign in w; empty unless the material needs them: for a normal
     /// texture, or an anisotropic reflectance.

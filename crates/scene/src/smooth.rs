@@ -20,6 +20,9 @@ impl Mesh {
                 *sums.entry(key(corner)).or_default() += twice_area;
             }
         }
+        if self.normals.is_empty() {
+            self.normals = vec![Vec3::Y; self.positions.len()];
+        }
         for (normal, position) in self.normals.iter_mut().zip(&self.positions) {
             if let Some(mean) = sums.get(&key(*position)).and_then(|sum| sum.try_normalize()) {
                 *normal = mean;

@@ -2,10 +2,12 @@
 #import gbuffer_packing
 #import material_textures
 #import height_slopes
+#import placements
 
 // What is seen through every sample of the picture: normals, tangent, material, and what textures make of it. No light here. One surface a
 // sample; those that light passes in part are drawn in layers (`gbuffer_layers.wgsl`).
 
+// In world space once it is placed.
 struct Vertex {
     @location(0) position_world: vec4f,
     @location(1) normal_world: vec4f,
@@ -30,11 +32,27 @@ struct GBufferSample {
     @location(1) reflectance: vec4u,
 }
 
-// Instances count parts of the G-buffer, material after material.
+// Draws count parts of the G-buffer, material after material.
 @vertex
 fn gbuffer_vertex(vertex: Vertex, @builtin(instance_index) instance: u32) -> Varying {
     let parts = view.interleave * view.interleave;
-    return varying_of(vertex, instance / parts, instance % parts);
+    let draw = draw_of(instance);
+    return varying_of(placed_vertex(vertex, placement_of(instance)), draw / parts, draw % parts);
+}
+
+fn placed_vertex(vertex: Vertex, placement: u32) -> Vertex {
+    if placement == 0u {
+        return vertex;
+    }
+    let linear = linear_part(placements[placement]);
+    let normal_from_drawn = normal_matrix(linear);
+    let normal = normal_from_drawn * vertex.normal_world.xyz;
+    var placed = vertex;
+    placed.position_world = vec4f(placed_position(vertex.position_world.xyz, placement), 1.0);
+    placed.normal_world = vec4f(normal / max(length(normal), 1e-20), 0.0);
+    placed.tangent_world =
+        vec4f(normal_from_drawn * vertex.tangent_world.xyz, mirror_sign(linear) * vertex.tangent_world.w);
+    return placed;
 }
 
 fn varying_of(vertex: Vertex, material: u32, part: u32) -> Varying {
@@ -74,6 +92,14 @@ fn drawn_surface(surface: Varying) -> PackedSurface {
     return drawn.surface;
 }
 
+// Unit. A mesh without normals is flat.
+fn smooth_normal_of(surface: Varying, facet: vec3f, to_viewer: vec3f) -> vec3f {
+    if dot(surface.normal_world, surface.normal_world) > 0.0 {
+        return normalize(surface.normal_world);
+    }
+    return normalize(select(to_viewer, facet, dot(facet, facet) > 0.0));
+}
+
 fn drawn_with_opacity(surface: Varying) -> Drawn {
     let across = dpdx(surface.position_world);
     let down = dpdy(surface.position_world);
@@ -92,7 +118,9 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     packed.roughness = material.roughness;
     packed.metallic = 1.0;
     var tilt = vec3f(0.0, 0.0, 1.0);
-    let smooth_normal = normalize(surface.normal_world);
+    let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
+    let facet = cross(across, down);
+    let smooth_normal = smooth_normal_of(surface, facet, to_viewer);
     var rise = vec3f(0.0);
     var spread = 0.0;
     for (var i = material.first_texture; i < material.end_texture; i++) {
@@ -144,8 +172,6 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     packed.base_color = color.rgb;
 
     // Every surface is two-sided: both normals are turned to the viewer's side of the triangle.
-    let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
-    let facet = cross(across, down);
     var geometric_normal = normalize(select(smooth_normal, facet, dot(facet, facet) > 0.0));
     geometric_normal *= select(-1.0, 1.0, dot(geometric_normal, to_viewer) >= 0.0);
 

@@ -19,7 +19,14 @@ fn far_material(material: u32, texel: u32) -> vec4f {
 
 // The surface of a hit on a ray along `direction`, a unit vector.
 fn surface_of_hit(hit: RayHit, direction: vec3f) -> Surface {
-    let corners = ray_corners(hit.triangle);
+    var corners = ray_corners(hit.triangle);
+    if hit.copy != 0u {
+        corners = mat3x3f(
+            through_rows(hit.copy + 3u, vec4f(corners[0], 1.0)),
+            through_rows(hit.copy + 3u, vec4f(corners[1], 1.0)),
+            through_rows(hit.copy + 3u, vec4f(corners[2], 1.0)),
+        );
+    }
     let share = vec3f(1.0 - hit.v - hit.w, hit.v, hit.w);
     var surface: Surface;
     surface.position_world = corners * share;
@@ -27,7 +34,10 @@ fn surface_of_hit(hit: RayHit, direction: vec3f) -> Surface {
     let facet = normalize(cross(corners[1] - corners[0], corners[2] - corners[0]));
     surface.geometric_normal = facet * select(-1.0, 1.0, dot(facet, direction) <= 0.0);
     let normals = ray_normals(hit.triangle);
-    let smooth_normal = unpack_third(normals, 0u) * share.x + unpack_third(normals, 1u) * share.y + unpack_third(normals, 2u) * share.z;
+    var smooth_normal = unpack_third(normals, 0u) * share.x + unpack_third(normals, 1u) * share.y + unpack_third(normals, 2u) * share.z;
+    if hit.copy != 0u {
+        smooth_normal = normal_of_copy(hit.copy, smooth_normal);
+    }
     let is_smooth = dot(smooth_normal, smooth_normal) > 1e-8;
     let n = select(surface.geometric_normal, normalize(smooth_normal), is_smooth);
     surface.n = n * select(-1.0, 1.0, dot(n, surface.geometric_normal) >= 0.0);

@@ -3,11 +3,13 @@
 #import micromap
 
 // The scene's triangles in two levels of hierarchies of boxes, walked without a stack: nodes lie in depth-first order, each with the number
-// of the next one where it is missed. The upper level's leaves are instances. The importer's pass binds both buffers.
+// of the next one where it is missed. The upper level's leaves are instances: nodes in world space, or a copy of a mesh, to whose space rays
+// are taken; their directions there are as long as the distances that they count need. The importer's pass binds both buffers.
 
 @group(GROUP_SHADOW) @binding(1) var<storage, read> ray_nodes: array<RayNode>;
 // Three to a triangle: corners, and in the first one's w where its micromap begins, 0 where it stops all light. Micromaps follow: the
-// divisions and the number of bits of an opacity, then opacities.
+// divisions and the number of bits of an opacity, then opacities. Then copies: rows of the transform from world space to the mesh's, rows of
+// that back, the first node.
 @group(GROUP_SHADOW) @binding(2) var<storage, read> ray_triangles: array<vec4u>;
 
 // Components of a direction are never 0: a product with an infinite inverse would be no number.
@@ -30,10 +32,12 @@ struct RayHit {
     // Barycentric coordinates of its second and third corner.
     v: f32,
     w: f32,
+    // Where the copy that it is of begins, 0 in world space.
+    copy: u32,
 }
 
 fn no_hit() -> RayHit {
-    return RayHit(-1.0, 0.0, NO_TRIANGLE, 0.0, 0.0);
+    return RayHit(-1.0, 0.0, NO_TRIANGLE, 0.0, 0.0, 0u);
 }
 
 const NO_TRIANGLE: u32 = 0xffffffffu;
@@ -52,10 +56,51 @@ fn ray_normals(triangle: u32) -> vec2u {
     return vec2u(ray_triangles[3u * triangle + 1u].w, ray_triangles[3u * triangle + 2u].w);
 }
 
+// Through three rows of a transform that begin there.
+fn through_rows(first: u32, value: vec4f) -> vec3f {
+    return vec3f(
+        dot(bitcast<vec4f>(ray_triangles[first]), value),
+        dot(bitcast<vec4f>(ray_triangles[first + 1u]), value),
+        dot(bitcast<vec4f>(ray_triangles[first + 2u]), value),
+    );
+}
+
+// A copy's normal in world space, up to its length: by the transpose of the transform to its mesh.
+fn normal_of_copy(copy: u32, normal: vec3f) -> vec3f {
+    return bitcast<vec3f>(ray_triangles[copy].xyz) * normal.x
+        + bitcast<vec3f>(ray_triangles[copy + 1u].xyz) * normal.y
+        + bitcast<vec3f>(ray_triangles[copy + 2u].xyz) * normal.z;
+}
+
+// A ray as the triangles of a copy, 0 for those in world space, are given.
+struct Ray {
+    origin: vec3f,
+    direction: vec3f,
+    // To the planes of boxes.
+    inverse: vec3f,
+    shifted: vec3f,
+    copy: u32,
+}
+
+fn ray_to(copy: u32, origin: vec3f, direction: vec3f) -> Ray {
+    var ray: Ray;
+    ray.origin = origin;
+    ray.direction = direction;
+    ray.copy = copy;
+    if copy != 0u {
+        ray.origin = through_rows(copy, vec4f(origin, 1.0));
+        ray.direction = through_rows(copy, vec4f(direction, 0.0));
+    }
+    let tiny = abs(ray.direction) < vec3f(LEAST_COMPONENT);
+    ray.inverse = 1.0 / select(ray.direction, vec3f(LEAST_COMPONENT), tiny);
+    ray.shifted = -ray.origin * ray.inverse;
+    return ray;
+}
+
 // Where a triangle lies along a ray before `reach`, in lengths of `direction`.
-fn hit_of(triangle: u32, origin: vec3f, direction: vec3f, reach: f32) -> RayHit {
+fn hit_of(triangle: u32, ray: Ray, reach: f32) -> RayHit {
     let corners = ray_corners(triangle);
-    let hit = triangle_hit(corners[0] - origin, corners[1] - origin, corners[2] - origin, direction);
+    let hit = triangle_hit(corners[0] - ray.origin, corners[1] - ray.origin, corners[2] - ray.origin, ray.direction);
     if hit.x <= 0.0 || hit.x >= reach {
         return no_hit();
     }
@@ -64,20 +109,22 @@ fn hit_of(triangle: u32, origin: vec3f, direction: vec3f, reach: f32) -> RayHit 
     if micromap != 0u {
         opacity = micromap_opacity(micromap, hit.z, hit.w);
     }
-    return RayHit(hit.x, opacity, triangle, hit.z, hit.w);
+    return RayHit(hit.x, opacity, triangle, hit.z, hit.w, ray.copy);
 }
 
 // What blocked the last ray of this invocation often blocks the next one.
 var<private> last_blocker: u32 = NO_TRIANGLE;
+var<private> last_copy: u32;
 
 // Share of the light along a ray that nothing stops before `reach`, in lengths of `direction`.
 fn transmittance(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
-    if last_blocker != NO_TRIANGLE && hit_of(last_blocker, origin, direction, reach).opacity == 1.0 {
+    if last_blocker != NO_TRIANGLE && hit_of(last_blocker, ray_to(last_copy, origin, direction), reach).opacity == 1.0 {
         return 0.0;
     }
     let traced = trace(origin, direction, reach, -1.0);
     if traced.left == 0.0 {
         last_blocker = traced.hit.triangle;
+        last_copy = traced.hit.copy;
     }
     return traced.left;
 }
@@ -96,9 +143,8 @@ struct Traced {
 // The nearest of what stops a ray before `reach` by `chance`; where that is below 0, what is left of its light, and the first that is found of
 // what stops all of it.
 fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
-    let tiny = abs(direction) < vec3f(LEAST_COMPONENT);
-    let inverse = 1.0 / select(direction, vec3f(LEAST_COMPONENT), tiny);
-    let shifted = -origin * inverse;
+    let in_world = ray_to(0u, origin, direction);
+    var ray = in_world;
     let top_end = ray_nodes[0].skip;
     var found = no_hit();
     var left = 1.0;
@@ -113,10 +159,11 @@ fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
             }
             node = resume;
             end = top_end;
+            ray = in_world;
             continue;
         }
-        let low = ray_nodes[node].low * inverse + shifted;
-        let high = ray_nodes[node].high * inverse + shifted;
+        let low = ray_nodes[node].low * ray.inverse + ray.shifted;
+        let high = ray_nodes[node].high * ray.inverse + ray.shifted;
         let near = min(low, high);
         let far = max(low, high);
         let enters = max(max(near.x, near.y), max(near.z, 0.0));
@@ -129,12 +176,18 @@ fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
             resume = node + 1u;
             node = members / RAY_LEAF;
             end = ray_nodes[node].skip;
+        } else if count == RAY_COPY {
+            resume = node + 1u;
+            let copy = members / RAY_LEAF;
+            ray = ray_to(copy, origin, direction);
+            node = ray_triangles[copy + 6u].x;
+            end = ray_nodes[node].skip;
         } else {
             for (var i = 0u; i < count; i++) {
-                let hit = hit_of(members / RAY_LEAF + i, origin, direction, limit);
+                let hit = hit_of(members / RAY_LEAF + i, ray, limit);
                 if chance >= 0.0 {
                     // Every triangle has a chance of its own.
-                    if fract(chance + f32(hit.triangle % 4096u) * 0.61803399) < hit.opacity {
+                    if fract(chance + f32((hit.triangle + hit.copy) % 4096u) * 0.61803399) < hit.opacity {
                         found = hit;
                         limit = hit.distance;
                     }

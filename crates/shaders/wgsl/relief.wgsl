@@ -21,9 +21,9 @@ fn relief_fragment(surface: Varying) -> ReliefSample {
     let down = dpdy(surface.position_world);
     let uvs_across = dpdx(surface.uvs);
     let uvs_down = dpdy(surface.uvs);
-    let n = normalize(surface.normal_world);
     let facet = cross(across, down);
     let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
+    let n = smooth_normal_of(surface, facet, to_viewer);
     // From behind bumps are dents, of which nothing was prepared.
     let is_front = dot(facet, to_viewer) * dot(facet, n) >= 0.0;
     var packed: PackedRelief;

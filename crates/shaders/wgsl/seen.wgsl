@@ -3,8 +3,10 @@
 // What is seen through the middle of every pixel, for geometry layers: one sample a pixel, never mixed over an edge.
 
 @group(GROUP_FRAME) @binding(1) var<uniform> seen_frame: SeenFrame;
-// By draw.
+// Of every instance, counted from 1.
 @group(GROUP_FRAME) @binding(2) var<storage, read> seen_draws: array<SeenDraw>;
+// Of the frame before.
+@group(GROUP_FRAME) @binding(3) var<storage, read> placements_before: array<mat4x4f>;
 
 struct SeenVarying {
     @builtin(position) position_clip: vec4f,
@@ -28,9 +30,12 @@ struct SeenSample {
 fn seen_vertex(
     vertex: Vertex,
     @location(5) position_before: vec4f,
-    @builtin(instance_index) draw: u32,
+    @builtin(instance_index) instance: u32,
 ) -> SeenVarying {
-    let surface = varying_of(vertex, seen_draws[draw].material, 0u);
+    let placement = placement_of(instance);
+    let draw = draw_of(instance) + placement;
+    let surface = varying_of(placed_vertex(vertex, placement), seen_draws[draw].material, 0u);
+    let world_before = placements_before[placement] * vec4f(position_before.xyz, 1.0);
     var seen: SeenVarying;
     seen.position_clip = surface.position_clip;
     seen.position_world = surface.position_world;
@@ -40,7 +45,7 @@ fn seen_vertex(
     seen.color = surface.color;
     seen.material = surface.material;
     seen.object = seen_draws[draw].object;
-    seen.clip_before = seen_frame.clip_before_from_world * vec4f(position_before.xyz, 1.0);
+    seen.clip_before = seen_frame.clip_before_from_world * vec4f(world_before.xyz, 1.0);
     return seen;
 }
 

@@ -9,7 +9,7 @@ use gnomon_lights::fit::FitSettings;
 use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet};
 use gnomon_messages::quoted;
 use gnomon_picture::RgbImage;
-use gnomon_reference::Sky;
+use gnomon_reference::{MOST_UNASKED_TRIANGLES, Sky};
 use gnomon_renderer::{PreparedLighting, RenderSettings};
 use gnomon_scene::{Camera, Scene};
 use gnomon_scene_files::EnvironmentSource;
@@ -334,10 +334,16 @@ pub(crate) fn work_out_unless(
 /// Fits and filters.
 fn lit(
     surroundings: Surroundings,
-    warnings: Vec<String>,
+    mut warnings: Vec<String>,
     (look, scene): (&Look, &FitScene),
     options: &FitOptions,
 ) -> Result<LightingResult, StudioError> {
+    let triangles = scene.scene.triangle_count();
+    if triangles > MOST_UNASKED_TRIANGLES && scene.camera.is_some() && look.fit.heeds_arrival() {
+        warnings.push(format!(
+            "{triangles} triangles are too many to find out whether the scene is an interior: its lights are those of an open one"
+        ));
+    }
     let lights = surroundings.fit_lights(&look.fit, options)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
     let mut prepared = PreparedLighting::new(&surroundings.map, &lights, &settings)?;

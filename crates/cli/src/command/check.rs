@@ -2,6 +2,7 @@ use clap::Args;
 use gnomon::metrics::SampledError;
 use gnomon::options::Given;
 use gnomon::picture::RgbImage;
+use gnomon::reference::MOST_UNASKED_TRIANGLES;
 use gnomon::studio::{CHECKED_PIXELS, ErrorBound, Look, Stage};
 use gnomon_terminal::Terminal;
 use serde_json::{Value, json};
@@ -13,7 +14,7 @@ use crate::error::CliError;
 #[derive(Args, Clone, Copy, Debug)]
 pub struct CheckArgs {
     /// Ray-trace so many pixels of the picture and tell by them how far it is off: relative RMSE and its standard error; 0 for none [default: 256, 0
-    /// for a sequence]
+    /// for a sequence and for more than four million triangles]
     #[arg(long, value_name = "N", value_parser = pixels, conflicts_with = "debug")]
     check: Option<usize>,
 
@@ -64,12 +65,14 @@ impl CheckArgs {
         self.max_error.map(|most| ErrorBound { most, pixels, given: given.clone() })
     }
 
-    /// Checks a single picture, unless nobody wants to know.
+    /// Checks a single picture, unless nobody wants to know, or nobody asked and the scene is too large to be traced by the way.
     ///
     /// # Errors
     /// As [`Stage::check`].
     pub fn single(&self, stage: &Stage, radiance: &RgbImage) -> Result<Option<SampledError>, CliError> {
-        checked(stage, radiance, self.check.unwrap_or(CHECKED_PIXELS))
+        let is_large = stage.scene().triangle_count() > MOST_UNASKED_TRIANGLES;
+        let usual = if is_large { 0 } else { CHECKED_PIXELS };
+        checked(stage, radiance, self.check.unwrap_or(usual))
     }
 
     /// Checks a frame of a sequence, where that is asked for.

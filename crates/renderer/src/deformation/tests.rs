@@ -6,7 +6,7 @@ use gnomon_scene_files::{LoadOptions, load};
 use gnomon_testing::tolerances::GPU_POSE_ERROR;
 
 use crate::Gpu;
-use crate::geometry::{Geometry, TransformPass, by_material};
+use crate::geometry::{Bodies, Geometry, TransformPass};
 use crate::gpu::ReadBack;
 use crate::recorder::{Clock, Recorder, new_encoder};
 use crate::twins::gpu_or_skip;
@@ -35,7 +35,7 @@ fn on_gpu(gpu: &Gpu, pass: &TransformPass, geometry: &Geometry, count: usize) ->
 /// their instance's box. Tangents are compared up to their length.
 fn compare(gpu: &Gpu, pass: &TransformPass, geometry: &Geometry, scene: &Scene) -> (f32, f32, usize) {
     let pose = scene.pose();
-    let placed = by_material(scene);
+    let placed = Bodies::of(scene).placed;
     let wanted: Vec<_> = placed.iter().map(|instance| scene.world_vertices(&pose, instance)).collect();
     let count = wanted.iter().map(|vertices| vertices.positions.len()).sum();
     let [positions, normals, tangents] = on_gpu(gpu, pass, geometry, count);

@@ -131,3 +131,56 @@ fn instances_that_come_and_go_do_not_fill_the_buffers() {
         assert!(geometry.instances.size() <= 16 * 1024);
     }
 }
+
+#[test]
+fn copies_take_the_room_of_one_mesh_and_their_places() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let pass = TransformPass::new(&gpu).unwrap();
+    let mut scene = builtin::without_ground("terrain").unwrap();
+    let node = scene.nodes.iter().find(|node| !node.meshes.is_empty()).unwrap().clone();
+    let build = |scene: &Scene, before: Option<&Geometry>| Geometry::new(&gpu, &pass, scene, before).unwrap();
+    let (mut geometry, one) = uploaded(&gpu, || build(&scene, None));
+    for copies in [2, 1000, 3] {
+        scene.nodes.truncate(1);
+        for copy in 1..copies {
+            let parent_from_node = Affine3A::from_translation(Vec3::X * copy as f32) * node.parent_from_node;
+            scene.nodes.push(Node { parent_from_node, ..node.clone() });
+        }
+        let (next, more) = uploaded(&gpu, || build(&scene, Some(&geometry)));
+        println!("{one} bytes, {more} for {copies} copies");
+        assert!(more <= 64 * copies as u64 + 4096, "{more} bytes for {copies} copies");
+        assert_eq!(next.vertices.count(), geometry.vertices.count());
+        assert_eq!(next.boxes.len(), copies);
+        let drawn: usize = next.ranges.iter().map(|range| range.placements.len()).sum();
+        assert_eq!(drawn, copies);
+        geometry = next;
+    }
+}
+
+/// A device whose bindings hold so many bytes.
+fn narrow_gpu(bytes: u64) -> Option<Gpu> {
+    gpu_or_skip()?;
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let adapter = Gpu::choose_adapter(adapters, &Default::default()).unwrap();
+    let mut descriptor = Gpu::device_descriptor(&adapter);
+    descriptor.required_limits.max_storage_buffer_binding_size = bytes;
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    Some(Gpu::from_wgpu(&adapter, device, queue).unwrap())
+}
+
+#[test]
+fn a_mesh_that_no_binding_holds_is_drawn_as_any_other() {
+    let Some(narrow) = narrow_gpu(1 << 16) else { return };
+    let Some(wide) = gpu_or_skip() else { return };
+    let mut scene = builtin::by_name("terrain").unwrap();
+    scene.nodes[0].parent_from_node = Affine3A::from_rotation_y(0.7);
+    let drawn = |gpu: &Gpu| {
+        let pass = TransformPass::new(gpu).unwrap();
+        let geometry = Geometry::new(gpu, &pass, &scene, None).unwrap();
+        (geometry.windows.len(), self::drawn(gpu, &pass, &geometry))
+    };
+    let ((windows, one), (whole, other)) = (drawn(&narrow), drawn(&wide));
+    assert!(windows > 3 && whole == 1, "{windows} windows, {whole}");
+    assert!(one == other);
+}

@@ -31,14 +31,13 @@ impl TransformPass {
     }
 
     pub fn encode(&self, recorder: &mut Recorder<'_>, geometry: &Geometry) {
-        let groups = geometry.vertices.count().div_ceil(layout::VERTEX_WORKGROUP);
-        if groups == 0 {
-            return;
-        }
-        let x = groups.min(1024);
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(layout::GROUP_PASS, &geometry.bind_group, &[]);
-        pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+        for (group, count) in &geometry.windows {
+            let groups = count.div_ceil(layout::VERTEX_WORKGROUP);
+            let x = groups.min(1024);
+            pass.set_bind_group(layout::GROUP_PASS, group, &[]);
+            pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+        }
     }
 }

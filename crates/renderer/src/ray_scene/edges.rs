@@ -163,6 +163,7 @@ pub(super) struct Shared<'a> {
     pub indices: &'a wgpu::Buffer,
     pub nodes: &'a wgpu::Buffer,
     pub triangles: &'a wgpu::Buffer,
+    pub placements: &'a wgpu::Buffer,
 }
 
 impl EdgeScene {
@@ -194,12 +195,20 @@ impl EdgeScene {
                     (0..).zip(buffers).map(|(number, buffer)| (number, buffer.as_entire_binding())).collect();
                 gpu.bind_group("edge refit", layout, &resources)
             };
-            let Shared { positions_world, normals_world, indices, nodes, triangles } = *shared;
+            let Shared { positions_world, normals_world, indices, nodes, triangles, placements } = *shared;
             let group = match height {
                 0 => group(&leaf_layout, &[triangles, &edges, &by_height, nodes, &range]),
                 _ => {
-                    let buffers =
-                        [positions_world, indices, &by_height, nodes, triangles, &range, normals_world];
+                    let buffers = [
+                        positions_world,
+                        indices,
+                        &by_height,
+                        nodes,
+                        triangles,
+                        &range,
+                        normals_world,
+                        placements,
+                    ];
                     group(&pass.layout, &buffers)
                 }
             };

@@ -1,12 +1,14 @@
 //! The scene as rays see it: hierarchies of boxes around its triangles, brought to where the vertices are every time they move.
 //!
-//! Every mesh has a hierarchy of its own, built once on the CPU; every instance has its copy, whose boxes follow the vertices on the GPU, so
-//! that deformation costs no more than a placement. Above them is one around the instances, built anew with every pose: what moves apart
-//! does not spoil it.
+//! Every mesh has a hierarchy of its own, built once on the CPU; every body has a copy of it, whose boxes follow the vertices on the GPU, so
+//! that deformation costs no more than a placement. Copies of a mesh that share vertices share that too, and rays are taken to its space;
+//! where edges are needed, each has its own in world space. Above them is one around the instances, built anew with every pose: what moves
+//! apart does not spoil it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use glam::{Affine3A, Mat4};
 use gnomon_scene::{Bounds, Mesh};
 use gnomon_shaders::layout;
 use rayon::prelude::*;
@@ -31,9 +33,17 @@ pub(crate) use micromap::Micromaps;
 /// Bytes of a triangle on the GPU.
 const TRIANGLE_BYTES: u64 = 48;
 
+/// Of a vertex in world space.
+const VERTEX_BYTES: u64 = 16;
+
+/// Of the transforms of a copy.
+const COPY_BYTES: u64 = 7 * 16;
+
 /// Whether an adapter holds the triangles of a scene for rays.
 pub(crate) fn has_room_for(gpu: &Gpu, geometry: &Geometry) -> bool {
-    u64::from(geometry.index_count / 3) * TRIANGLE_BYTES <= gpu.largest_storage()
+    let largest = gpu.largest_storage();
+    let vertices = u64::from(geometry.vertex_count()) * VERTEX_BYTES;
+    u64::from(geometry.index_count / 3) * TRIANGLE_BYTES <= largest && vertices <= largest
 }
 
 /// Brings boxes to the vertices.
@@ -47,8 +57,16 @@ impl RefitPass {
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let read = Binding::Storage { read_only: true };
         let write = Binding::Storage { read_only: false };
-        let bindings =
-            [(0, read), (1, read), (2, read), (3, write), (4, write), (5, Binding::Uniform), (6, read)];
+        let bindings = [
+            (0, read),
+            (1, read),
+            (2, read),
+            (3, write),
+            (4, write),
+            (5, Binding::Uniform),
+            (6, read),
+            (7, read),
+        ];
         let layout = gpu.layout("ray refit", wgpu::ShaderStages::COMPUTE, &bindings);
         let shader = gpu.shader("ray_refit", &[])?;
         let pipeline = |entry| gpu.compute_pipeline(&shader, entry, &[(layout::GROUP_PASS, &layout)]);
@@ -60,12 +78,14 @@ impl RefitPass {
 pub(crate) struct RayScene {
     /// [`layout::RayNode`]s: the upper level, then every instance's.
     pub nodes: wgpu::Buffer,
-    /// Triangles and micromaps, see `ray_scene.wgsl`.
+    /// Triangles, micromaps and copies, see `ray_scene.wgsl`.
     pub triangles: wgpu::Buffer,
     /// What rays meet, where somebody asks.
     pub hits: Option<HitSurfaces>,
-    /// Of each instance its place in the geometry and the first of its nodes.
-    instances: Vec<(usize, u32)>,
+    /// Those that have triangles.
+    instances: Vec<RayInstance>,
+    /// Where their transforms begin among `triangles`, in 16 bytes.
+    first_copy: u32,
     /// From the lowest nodes to the highest.
     levels: Vec<Level>,
     /// By the address of their mesh, which is kept from being used for another.
@@ -74,6 +94,16 @@ pub(crate) struct RayScene {
     pub edges: Option<EdgeScene>,
     edges_of_meshes: EdgesOfMeshes,
     is_stale: bool,
+}
+
+/// An instance.
+struct RayInstance {
+    /// Place in the geometry.
+    number: usize,
+    /// The first of its nodes.
+    first_node: u32,
+    /// Number of its transform, where its nodes are others' as well.
+    copy: Option<u32>,
 }
 
 /// Nodes that are all as high.
@@ -100,12 +130,16 @@ impl RayScene {
         let (numbers, placed): (Vec<usize>, Vec<PlacedMesh<'_>>) = casting.unzip();
         let hierarchies = hierarchies(&placed, before);
         let of = |mesh: &Arc<Mesh>| &hierarchies[&address(mesh)].1;
+        // What has nodes of its own.
+        let mut seen = HashSet::new();
+        let is_first: Vec<bool> = placed.iter().map(|place| has_edges || seen.insert(place.body)).collect();
+        let with_own = || placed.iter().zip(&is_first).filter(|(_, first)| **first).map(|(place, _)| place);
         let known = before.map(|before| &before.edges_of_meshes);
         let edges_of_meshes = if has_edges { edges_of_meshes(&placed, known) } else { EdgesOfMeshes::new() };
         let mut edge_parts = EdgeParts::default();
         let top_count = (2 * placed.len()).max(1);
-        let node_count = top_count + placed.iter().map(|place| of(place.mesh).nodes.len()).sum::<usize>();
-        let triangle_count: usize = placed.iter().map(|place| place.mesh.triangles.len()).sum();
+        let node_count = top_count + with_own().map(|place| of(place.mesh).nodes.len()).sum::<usize>();
+        let triangle_count: usize = with_own().map(|place| place.mesh.triangles.len()).sum();
         let largest = gpu.largest_storage();
         let most = (largest / TRIANGLE_BYTES).min(u64::from(u32::MAX / layout::RAY_LEAF));
         let most_nodes = (largest / layout::size::<layout::RayNode>()).min(most);
@@ -118,22 +152,42 @@ impl RayScene {
             });
         }
 
+        let vertices = u64::from(geometry.vertex_count());
+        if vertices * VERTEX_BYTES > largest {
+            return Err(RenderError::OverLimit {
+                what: "vertices for rays",
+                wanted: vertices,
+                limit: largest / VERTEX_BYTES,
+                adapter: gpu.adapter().name.clone(),
+            });
+        }
+
         let mut nodes = vec![layout::RayNode::default(); top_count];
         let mut indices: Vec<[u32; 4]> = Vec::with_capacity(triangle_count);
         let mut micromap_words: Vec<u32> = Vec::new();
         let mut micromaps: HashMap<*const Micromaps, u32> = HashMap::new();
         let mut instances = Vec::with_capacity(placed.len());
         let mut by_height: Vec<Vec<u32>> = Vec::new();
+        let mut leaf_placements: Vec<u32> = Vec::new();
+        let (mut first_nodes, mut copies) = (HashMap::new(), 0);
         let mut hits = materials.map(hits::HitTriangles::of);
         let mut placed_triangles = Vec::with_capacity(placed.len());
-        for (&number, place) in numbers.iter().zip(&placed) {
+        for ((&number, place), is_first) in numbers.iter().zip(&placed).zip(is_first) {
             let hierarchy = of(place.mesh);
+            let copy = (place.placement > 0 && !has_edges).then_some(copies);
+            copies += u32::from(copy.is_some());
+            if !is_first {
+                let first_node = first_nodes.get(&place.body).copied();
+                instances.extend(first_node.map(|first_node| RayInstance { number, first_node, copy }));
+                continue;
+            }
             placed_triangles.push((hierarchy.order.as_slice(), indices.len() as u32));
             if hierarchy.nodes.is_empty() {
                 continue;
             }
             let (first_node, first_triangle) = (nodes.len() as u32, indices.len() as u32);
-            instances.push((number, first_node));
+            first_nodes.insert(place.body, first_node);
+            instances.push(RayInstance { number, first_node, copy });
             nodes.extend(hierarchy.nodes.iter().map(|node| layout::RayNode {
                 skip: first_node + node.skip,
                 members: match node.count {
@@ -148,6 +202,9 @@ impl RayScene {
                     by_height.resize_with(height + 1, Vec::new);
                 }
                 by_height[height].push(i);
+                if height == 0 {
+                    leaf_placements.push(if has_edges { place.placement } else { 0 });
+                }
             }
             let micromap = place.micromaps.map(|maps| {
                 let first = *micromaps.entry(std::ptr::from_ref(maps)).or_insert_with(|| {
@@ -192,7 +249,8 @@ impl RayScene {
         let storage = wgpu::BufferUsages::STORAGE;
         let copied = storage | wgpu::BufferUsages::COPY_DST;
         let micromap_offset = TRIANGLE_BYTES * triangle_count as u64;
-        let bytes = micromap_offset + 4 * micromap_words.len() as u64;
+        let copy_offset = micromap_offset + 4 * micromap_words.len() as u64;
+        let bytes = copy_offset + COPY_BYTES * u64::from(copies);
         if bytes > largest {
             return Err(RenderError::OverLimit {
                 what: "bytes of triangles and alpha for rays",
@@ -206,16 +264,18 @@ impl RayScene {
         gpu.write_bytes(&triangles, micromap_offset, bytemuck::cast_slice(&micromap_words));
         let nodes = gpu.shared_buffer("ray nodes", nodes.as_slice(), copied);
         let indices = gpu.buffer_with("ray indices", bytemuck::cast_slice(&indices), storage);
-        let order =
-            gpu.buffer_with("ray nodes by height", bytemuck::cast_slice(&by_height.concat()), storage);
+        let mut first = leaf_placements.len() as u32;
+        let order = [leaf_placements, by_height.concat()].concat();
+        let order = gpu.buffer_with("ray nodes by height", bytemuck::cast_slice(&order), storage);
         let [positions_world, normals_world, ..] = geometry.vertex_buffers();
-        let mut first = 0;
+        let placements = geometry.placements();
         let level = |members: &Vec<u32>| {
             let count = members.len() as u32;
             let range = [first, first + count];
             first += count;
             let range = gpu.buffer_with("ray level", bytemuck::bytes_of(&range), wgpu::BufferUsages::UNIFORM);
-            let buffers = [positions_world, &indices, &order, &nodes, &triangles, &range, normals_world];
+            let buffers =
+                [positions_world, &indices, &order, &nodes, &triangles, &range, normals_world, placements];
             let resources: Vec<_> =
                 (0..).zip(buffers).map(|(number, buffer)| (number, buffer.as_entire_binding())).collect();
             Level { count, group: gpu.bind_group("ray refit", &pass.layout, &resources) }
@@ -228,6 +288,7 @@ impl RayScene {
             indices: &indices,
             nodes: &nodes,
             triangles: &triangles,
+            placements,
         };
         let edges = match has_edges {
             true => Some(EdgeScene::new(gpu, pass, edge_parts, &shared, edge_nodes)?),
@@ -238,6 +299,7 @@ impl RayScene {
             triangles,
             hits,
             instances,
+            first_copy: (copy_offset / 16) as u32,
             levels,
             hierarchies,
             edges,
@@ -257,7 +319,15 @@ impl RayScene {
             return;
         }
         let bounds = bounds_of_instances(&geometry.placed_boxes);
-        gpu.write(&self.nodes, upper_level(&self.instances, &bounds, 0).as_slice());
+        let members = self.instances.iter().map(|instance| {
+            let member = match instance.copy {
+                Some(copy) => self.copy_at(copy) * layout::RAY_LEAF + layout::RAY_COPY,
+                None => instance.first_node * layout::RAY_LEAF + layout::RAY_INSTANCE,
+            };
+            (instance.number, member)
+        });
+        gpu.write(&self.nodes, upper_level(members, &bounds, 0).as_slice());
+        gpu.write_bytes(&self.triangles, 16 * u64::from(self.first_copy), &self.copies(geometry));
         for (height, level) in self.levels.iter().enumerate() {
             // Each level reads what the one before it wrote.
             let mut compute = recorder.encoder.begin_compute_pass(&Default::default());
@@ -267,11 +337,37 @@ impl RayScene {
         }
         if let Some(edges) = &self.edges {
             let first = edges.counts.first_node;
-            let nodes = upper_level(&edges.instances, &bounds, first);
+            let instance =
+                |&(number, node): &(usize, u32)| (number, node * layout::RAY_LEAF + layout::RAY_INSTANCE);
+            let nodes = upper_level(edges.instances.iter().map(instance), &bounds, first);
             let offset = u64::from(first) * layout::size::<layout::RayNode>();
             gpu.write_bytes(&self.nodes, offset, &layout::bytes(nodes.as_slice()));
             edges.refit(recorder, pass);
         }
+    }
+}
+
+impl RayScene {
+    /// Where the transform of a copy begins, see `ray_scene.wgsl`.
+    fn copy_at(&self, copy: u32) -> u32 {
+        self.first_copy + copy * (COPY_BYTES / 16) as u32
+    }
+
+    /// What is there of every copy: rows of the transforms to its mesh and back, and the first of its nodes.
+    fn copies(&self, geometry: &Geometry) -> Vec<u8> {
+        let copied = self.instances.iter().filter(|instance| instance.copy.is_some());
+        let of_copy = |instance: &RayInstance| {
+            let world_from_mesh = geometry.world_from_mesh(instance.number);
+            let rows = |transform: Affine3A| {
+                let matrix = Mat4::from(transform);
+                [0, 1, 2].map(|row| matrix.row(row).to_array().map(f32::to_bits))
+            };
+            let [a, b, c] = rows(world_from_mesh.inverse());
+            let [d, e, f] = rows(world_from_mesh);
+            [a, b, c, d, e, f, [instance.first_node, 0, 0, 0]]
+        };
+        let words: Vec<[[u32; 4]; 7]> = copied.map(of_copy).collect();
+        bytemuck::cast_slice(&words).to_vec()
     }
 }
 
@@ -286,14 +382,14 @@ fn bounds_of_instances(placed: &PlacedBoxes) -> HashMap<usize, Bounds> {
     boxes
 }
 
-/// Nodes around instances, each with the first of its own nodes, to lie from the node `base` on.
+/// Nodes around instances, of which the numbers and what leads to them are given, to lie from the node `base` on.
 fn upper_level(
-    instances: &[(usize, u32)],
+    instances: impl Iterator<Item = (usize, u32)>,
     bounds: &HashMap<usize, Bounds>,
     base: u32,
 ) -> Vec<layout::RayNode> {
     let (members, boxes): (Vec<u32>, Vec<Bounds>) =
-        instances.iter().filter_map(|(instance, first)| Some((*first, *bounds.get(instance)?))).unzip();
+        instances.filter_map(|(number, member)| Some((member, *bounds.get(&number)?))).unzip();
     let hierarchy = Hierarchy::new(&boxes, 1);
     let node = |node: &hierarchy::Node| {
         // Boxes of placed meshes round as vertices do.
@@ -304,10 +400,7 @@ fn upper_level(
             high: node.bounds.max + padding,
             members: match node.count {
                 0 => 0,
-                _ => {
-                    let member = hierarchy.order[node.first as usize];
-                    members[member as usize] * layout::RAY_LEAF + layout::RAY_INSTANCE
-                }
+                _ => members[hierarchy.order[node.first as usize] as usize],
             },
         }
     };

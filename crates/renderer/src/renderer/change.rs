@@ -81,7 +81,7 @@ struct NextScene {
 
 enum NextGeometry {
     New(Box<Geometry>),
-    Moved(MovedGeometry),
+    Moved(Box<MovedGeometry>),
 }
 
 /// What rays are traced through from then on.
@@ -273,7 +273,7 @@ impl Renderer {
         if moves {
             next.near_lights = Some(scene.placed_lights());
             next.geometry = Some(match placed {
-                Some(placed) => NextGeometry::Moved(self.geometry.moved(scene, &placed)?),
+                Some(placed) => NextGeometry::Moved(Box::new(self.geometry.moved(scene, &placed)?)),
                 None => {
                     let geometry = Geometry::new(gpu, &passes.transform, scene, Some(&self.geometry))?;
                     NextGeometry::New(Box::new(geometry))
@@ -327,7 +327,7 @@ impl Renderer {
                 self.geometry = *geometry;
                 self.before = None;
             }
-            Some(NextGeometry::Moved(moved)) => self.geometry.take(moved),
+            Some(NextGeometry::Moved(moved)) => self.geometry.take(*moved),
             None => {}
         }
         match rays {

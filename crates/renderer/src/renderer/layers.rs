@@ -13,7 +13,7 @@ use crate::gpu::TextureReadBack;
 use crate::layers::{Layer, LayerRequest, LayerSource, RenderedLayer, RenderedLayers};
 use crate::lighting::Lighting;
 use crate::recorder::{Clock, Recorder, new_encoder};
-use crate::seen::{SeenPass, SeenTarget, seen_frame};
+use crate::seen::{DrawnVertices, SeenPass, SeenTarget, seen_frame};
 use crate::settings::in_range;
 
 /// Most layers that lights become.
@@ -37,8 +37,7 @@ impl LayerTask {
 /// The frame before.
 pub(super) struct Before {
     camera: Camera,
-    /// Of the vertices, in world space.
-    positions: wgpu::Buffer,
+    vertices: DrawnVertices,
 }
 
 impl Renderer {
@@ -147,12 +146,17 @@ impl Renderer {
         let mut recorder = Recorder::new(&self.gpu, &mut encoder, Clock::Off);
         self.passes.transform.encode(&mut recorder, &self.geometry);
         let [positions, ..] = self.geometry.vertex_buffers();
-        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
-        let copy = self.gpu.empty_buffer("positions before", positions.size(), usage);
-        recorder.encoder.copy_buffer_to_buffer(positions, 0, &copy, 0, positions.size());
+        let mut copy = |label, source: &wgpu::Buffer, usage| {
+            let copy = self.gpu.empty_buffer(label, source.size(), usage | wgpu::BufferUsages::COPY_DST);
+            recorder.encoder.copy_buffer_to_buffer(source, 0, &copy, 0, source.size());
+            copy
+        };
+        let positions = copy("positions before", positions, wgpu::BufferUsages::VERTEX);
+        let placements = copy("placements before", self.geometry.placements(), wgpu::BufferUsages::STORAGE);
         self.gpu.queue.submit([encoder.finish()]);
         scopes.finish()?;
-        self.before = Some(Before { camera: camera.clone(), positions: copy });
+        let vertices = DrawnVertices { positions, placements };
+        self.before = Some(Before { camera: camera.clone(), vertices });
         Ok(())
     }
 
@@ -206,7 +210,7 @@ impl Renderer {
         let frame = seen_frame(camera, size, &band.drawn, clip_before);
         let mut encoder = new_encoder(&self.gpu);
         let mut recorder = Recorder::new(&self.gpu, &mut encoder, Clock::Off);
-        let geometry = (&self.geometry, before.map(|before| &before.positions));
+        let geometry = (&self.geometry, before.map(|before| &before.vertices));
         let group = drawn.pass.draw(&mut recorder, drawn.seen, (&view, &frame), geometry, &self.materials);
         self.gpu.queue.submit([encoder.finish()]);
         group

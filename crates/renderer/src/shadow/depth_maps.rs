@@ -4,6 +4,7 @@ use gnomon_shaders::layout;
 
 use super::technique::FrameInputs;
 use crate::bindings::{Binding, Groups, Shader, array_view};
+use crate::geometry::placements_layout;
 use crate::recorder::Recorder;
 use crate::{Gpu, RenderError};
 
@@ -64,6 +65,9 @@ pub(crate) struct ShadowMapPass {
     projected: wgpu::RenderPipeline,
     /// Linear depth under a perspective.
     linear: wgpu::RenderPipeline,
+    /// The same of copies of meshes.
+    placed_projected: wgpu::RenderPipeline,
+    placed_linear: wgpu::RenderPipeline,
     /// The same of surfaces with holes.
     masked_projected: wgpu::RenderPipeline,
     masked_linear: wgpu::RenderPipeline,
@@ -78,6 +82,8 @@ impl ShadowMapPass {
             &[(0, Binding::Storage { read_only: true })],
         );
         let lights = (layout::GROUP_PASS, &bindings);
+        let placements = placements_layout(gpu);
+        let placements = (layout::GROUP_PLACEMENTS, &placements);
         let whole = gpu.shader("shadow_map", &[])?;
         let masked = gpu.shader("shadow_map_masked", &[])?;
         let pipeline =
@@ -119,16 +125,18 @@ impl ShadowMapPass {
         let uvs_and_color = wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4];
         let (positions, attributes) = (buffer(16, &position), buffer(32, &uvs_and_color));
         let of_whole = |vertex, fragment| {
-            pipeline(&whole, vertex, fragment, &[lights], std::slice::from_ref(&positions))
+            pipeline(&whole, vertex, fragment, &[lights, placements], std::slice::from_ref(&positions))
         };
         let of_masked = |fragment| {
-            let groups = [(layout::GROUP_SURFACE, materials), lights];
+            let groups = [(layout::GROUP_SURFACE, materials), lights, placements];
             let buffers = [positions.clone(), attributes.clone()];
             pipeline(&masked, "masked_shadow_map", Some(fragment), &groups, &buffers)
         };
         Ok(Self {
             projected: of_whole("shadow_map", None),
             linear: of_whole("linear_shadow_map", Some("linear_depth")),
+            placed_projected: of_whole("placed_shadow_map", None),
+            placed_linear: of_whole("placed_linear_shadow_map", Some("linear_depth")),
             masked_projected: of_masked("masked_depth"),
             masked_linear: of_masked("masked_linear_depth"),
             layout: bindings,
@@ -166,18 +174,29 @@ impl ShadowMapPass {
                 continue;
             }
             let is_orthographic = light.kind == layout::KIND_DISTANT;
-            let (whole_pipeline, masked_pipeline) = match maps.depth {
-                MapDepth::Linear if !is_orthographic => (&self.linear, &self.masked_linear),
-                _ => (&self.projected, &self.masked_projected),
+            let (whole_pipeline, placed_pipeline, masked_pipeline) = match maps.depth {
+                MapDepth::Linear if !is_orthographic => {
+                    (&self.linear, &self.placed_linear, &self.masked_linear)
+                }
+                _ => (&self.projected, &self.placed_projected, &self.masked_projected),
             };
-            let (masked, whole) = geometry.split_masked(&casters.indices);
+            let (masked, whole) = geometry.split_masked(&casters.draws);
+            let (copies, whole): (Vec<_>, Vec<_>) =
+                whole.into_iter().partition(|draw| draw.placements.start > 0);
             let [positions_world, _, _, attributes] = geometry.vertex_buffers();
             pass.set_pipeline(whole_pipeline);
             pass.set_bind_group(layout::GROUP_PASS, lights.group, &[]);
+            pass.set_bind_group(layout::GROUP_PLACEMENTS, geometry.placements_group(), &[]);
             pass.set_vertex_buffer(0, positions_world.slice(..));
             pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for indices in whole {
-                pass.draw_indexed(indices, 0, number..number + 1);
+            for draw in whole {
+                pass.draw_indexed(draw.indices, 0, number..number + 1);
+            }
+            if !copies.is_empty() {
+                pass.set_pipeline(placed_pipeline);
+            }
+            for draw in copies {
+                pass.draw_indexed(draw.indices, 0, geometry.instances_of(number, &draw.placements));
             }
             if masked.is_empty() {
                 continue;
@@ -187,8 +206,8 @@ impl ShadowMapPass {
             for range in masked {
                 let material = frame.materials.number(range.material);
                 pass.set_bind_group(layout::GROUP_SURFACE, frame.materials.bind_group(material), &[]);
-                let instance = material as u32 * layout::MAX_BATCH_LIGHTS + number;
-                pass.draw_indexed(range.indices, 0, instance..instance + 1);
+                let draw = material as u32 * layout::MAX_BATCH_LIGHTS + number;
+                pass.draw_indexed(range.indices, 0, geometry.instances_of(draw, &range.placements));
             }
         }
     }

@@ -14,7 +14,7 @@ use gnomon_renderer::{
     Change, Gpu, GpuOptions, LightingChange, PreparedLighting, RenderError, RenderSettings, Renderer,
     SceneChange,
 };
-use gnomon_scene::{Camera, Mesh, MeshId, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
+use gnomon_scene::{Camera, Mesh, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
 
 const SIZE: [u32; 2] = [48, 36];
 /// Texels along the side of the largest texture of a device that has few.
@@ -100,14 +100,12 @@ fn textured(side: u32) -> Scene {
     scene
 }
 
-/// More vertices than a binding of WebGPU's default size holds.
+/// More vertices than a buffer of WebGPU's default size holds.
 fn vast() -> Scene {
     let mut scene = scene();
-    let mesh =
-        Mesh { positions: vec![Vec3::ONE; 1 << 20], normals: vec![Vec3::Y; 1 << 20], ..Mesh::default() };
-    scene.meshes.push(Arc::new(mesh));
-    let mesh = MeshId(scene.meshes.len() - 1);
-    scene.nodes.push(Node { meshes: vec![mesh; 3], ..Node::default() });
+    for _ in 0..2 {
+        scene.push_mesh("vast", Mesh { positions: vec![Vec3::ONE; 3 << 20], ..Mesh::default() });
+    }
     scene
 }
 

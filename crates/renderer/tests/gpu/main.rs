@@ -12,6 +12,7 @@ mod catcher;
 mod change;
 mod common;
 mod compositing;
+mod copies;
 mod debug_views;
 mod embedding;
 mod filters;

@@ -57,6 +57,10 @@ impl Faces {
         let roles: Vec<Option<Role>> = element.properties.iter().map(role).collect();
         let has = |role: Role| roles.contains(&Some(role));
         let has_colors = (0..3).all(|channel| has(Role::Color(channel)));
+        let bytes_each = geometry::TRIANGLE_BYTES
+            + if has(Role::Uvs) { size_of::<[Vec2; 3]>() } else { 0 }
+            + if has(Role::Texture) { size_of::<i32>() } else { 0 }
+            + if has_colors { size_of::<Vec4>() } else { 0 };
         let mut row = Row::default();
         let (mut skipped, mut surplus) = (0_u64, 0_u64);
         for face in 0..element.count {
@@ -77,10 +81,7 @@ impl Faces {
                 skipped += 1;
                 continue;
             }
-            budget.take(
-                row.corners.len(),
-                geometry::TRIANGLE_BYTES + size_of::<[Vec2; 3]>() + size_of::<Vec4>(),
-            )?;
+            budget.take(row.corners.len() - 2, bytes_each)?;
             self.places.clear();
             for &value in &row.corners {
                 let index = vertex_index(value, positions.len())

@@ -9,6 +9,8 @@ super::constants! {
     pub const GROUP_SURFACE: u32 = 1;
     /// Bind group of the shadow technique.
     pub const GROUP_SHADOW: u32 = 2;
+    /// Bind group of where the scene's triangles are drawn, in the place of the shadow technique's.
+    pub const GROUP_PLACEMENTS: u32 = 2;
     /// Bind group of the pass's own inputs and outputs.
     pub const GROUP_PASS: u32 = 3;
 

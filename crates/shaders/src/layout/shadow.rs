@@ -15,6 +15,8 @@ super::constants! {
     pub const RAY_LEAF: u32 = 8;
     /// Instead of a number of triangles: the node's one member is an instance.
     pub const RAY_INSTANCE: u32 = 7;
+    /// The same, where what leads to it is the place of its transforms among the triangles.
+    pub const RAY_COPY: u32 = 6;
     /// Points of a light that rays go to.
     pub const LIGHT_POINTS: u32 = 64;
     /// Directions that stand for the sky where a ray meets the scene.
@@ -76,8 +78,8 @@ super::structs! {
         pub skip: u32,
         /// Greatest coordinates.
         pub high: Vec3,
-        /// Of a leaf [`RAY_LEAF`] times its first triangle, or the first node of its instance, plus the number of triangles or
-        /// [`RAY_INSTANCE`]; 0 of any other node.
+        /// Of a leaf [`RAY_LEAF`] times its first triangle, the first node of its instance or the place of its copy, plus the number of
+        /// triangles, [`RAY_INSTANCE`] or [`RAY_COPY`]; 0 of any other node.
         pub members: u32,
     }
 
