@@ -178,7 +178,7 @@ fn a_mesh_that_no_binding_holds_is_drawn_as_any_other() {
     let drawn = |gpu: &Gpu| {
         let pass = TransformPass::new(gpu).unwrap();
         let geometry = Geometry::new(gpu, &pass, &scene, None).unwrap();
-        (geometry.windows.len(), self::drawn(gpu, &pass, &geometry))
+        (geometry.windows.len(), drawn(gpu, &pass, &geometry))
     };
     let ((windows, one), (whole, other)) = (drawn(&narrow), drawn(&wide));
     assert!(windows > 3 && whole == 1, "{windows} windows, {whole}");

@@ -15,6 +15,7 @@ use gnomon_renderer::{
     SceneChange,
 };
 use gnomon_scene::{Camera, Mesh, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
+use gnomon_shaders::layout;
 
 const SIZE: [u32; 2] = [48, 36];
 /// Texels along the side of the largest texture of a device that has few.
@@ -219,12 +220,14 @@ fn a_change_uploads_what_is_new_of_it() {
     let column = builtin::without_ground("column").unwrap();
     let own: usize =
         column.meshes.iter().map(|mesh| 80 * mesh.positions.len() + 24 * mesh.triangles.len()).sum();
+    // A reflectance model that is new, too: shadow techniques are made again, and this one has a table of points.
+    let points = 16 * u64::from(layout::PCSS_POINTS);
     for (what, change, most) in [
         ("display", Change { settings: Some(display), ..Change::default() }, 0),
         ("pose", change(SceneChange::Pose(&moved)), tables),
         ("materials", change(SceneChange::Materials(&painted)), tables),
         ("the same scene", change(SceneChange::Whole(&painted)), tables),
-        ("one more model", change(SceneChange::Whole(&other)), 2 * tables + own as u64),
+        ("one more model", change(SceneChange::Whole(&other)), 2 * tables + own as u64 + points),
     ] {
         let before = gpu.uploaded_bytes();
         renderer.change(change).unwrap();
