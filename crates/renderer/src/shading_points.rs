@@ -34,6 +34,8 @@ pub(crate) struct PointStage {
     pub uniform: wgpu::Buffer,
     /// Own bind group of the pass that sums light.
     pub light_group: wgpu::BindGroup,
+    /// Own bind group of the passes that even the sums out, where they are of grainy light.
+    even_group: Option<wgpu::BindGroup>,
     /// Place in [`ShadingPoints::work`] of the arguments of a dispatch over these points.
     pub dispatch_offset: u64,
     /// Bind groups of the passes that list points: over the picture, and over edge pixels.
@@ -62,6 +64,9 @@ pub(crate) struct ShadingPointsPass {
     refine_lit: wgpu::ComputePipeline,
     inherit: wgpu::ComputePipeline,
     end_stage: wgpu::ComputePipeline,
+    even_layout: wgpu::BindGroupLayout,
+    even_out: wgpu::ComputePipeline,
+    keep_evened: wgpu::ComputePipeline,
 }
 
 /// Bytes of what is kept for every shading point: the point, and what light gives it.
@@ -69,6 +74,7 @@ const POINT_BYTES: u64 = 20;
 const DIFFUSE_BYTES: u64 = 16;
 const SPECULAR_BYTES: u64 = 12;
 const NEAR_BYTES: u64 = 12;
+const LIT_SHARE_BYTES: u64 = 16;
 
 /// Samples for which there is room for one point beside those of tiles, in large pictures. Where more are wanted, the last ones take what the
 /// tiles around them have.
@@ -85,6 +91,8 @@ pub(crate) struct SumPlanes {
     pub near: bool,
     /// Sums are kept in floats, not in halves.
     pub wide: bool,
+    /// Sums of lights are of few rays, and no light is a probe: they are averaged ([`layout::FLAG_EVENED_SUMS`]).
+    pub evened: bool,
 }
 
 impl SumPlanes {
@@ -258,7 +266,14 @@ impl ShadingPointsPass {
             (layout::GROUP_PASS, &list_layout),
         ];
         let pipeline = |entry| gpu.compute_pipeline(&module, entry, &groups);
+        let even_layout =
+            numbered("sums to even out", &[read, read, read, written, written, Binding::Uniform]);
+        let even_module = gpu.shader("even_sums", &[])?;
+        let even_groups = [groups[0], groups[1], (layout::GROUP_PASS, &even_layout)];
+        let even_pipeline = |entry| gpu.compute_pipeline(&even_module, entry, &even_groups);
         Ok(Self {
+            even_out: even_pipeline("even_out"),
+            keep_evened: even_pipeline("keep_evened"),
             light_layout: numbered(
                 "sums of light",
                 &[read, read, written, written, written, Binding::Uniform],
@@ -287,6 +302,7 @@ impl ShadingPointsPass {
             inherit: pipeline("inherit"),
             end_stage: pipeline("end_stage"),
             list_layout,
+            even_layout,
         })
     }
 
@@ -332,6 +348,8 @@ impl ShadingPointsPass {
         let diffuse = plane("sums of diffuse light", 0);
         let specular = plane("sums of specular light", 1);
         let near = plane("sums of near light", 2);
+        let lit_shares =
+            plan.planes.evened.then(|| gpu.empty_buffer("lit shares", capacity * LIT_SHARE_BYTES, storage));
         let group = |label, layout, buffers: &[&wgpu::Buffer]| {
             let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
             gpu.bind_group(label, layout, &(0..).zip(buffers).collect::<Vec<_>>())
@@ -346,7 +364,12 @@ impl ShadingPointsPass {
                 group("shading points", &self.list_layout, &[&buffers[..], &[uniform]].concat())
             };
             let light_buffers = [&points, &work, &diffuse, &specular, &near, &uniforms[0]];
+            let even_group = |lit_shares| {
+                let buffers = [&points, &work, &point_of_tile, &diffuse, lit_shares, &uniforms[0]];
+                group("sums to even out", &self.even_layout, &buffers)
+            };
             PointStage {
+                even_group: lit_shares.as_ref().map(even_group),
                 list: stage.list as usize,
                 list_groups: [list_group(&uniforms[0]), list_group(&uniforms[1])],
                 light_group: group("sums of light", &self.light_layout, &light_buffers),
@@ -463,6 +486,28 @@ impl ShadingPointsPass {
         pass.dispatch_workgroups_indirect(&points.stage_dispatch, 0);
     }
 
+    /// Averages what lights gave to a stage's points over what their shadows allow, where it is grainy.
+    pub fn even_out(
+        &self,
+        recorder: &mut Recorder<'_>,
+        points: &ShadingPoints,
+        stage: &PointStage,
+        [view_group, gbuffer_group]: [&wgpu::BindGroup; 2],
+    ) {
+        let Some(even_group) = &stage.even_group else { return };
+        let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
+        let groups = [
+            (layout::GROUP_FRAME, view_group),
+            (layout::GROUP_SURFACE, gbuffer_group),
+            (layout::GROUP_PASS, even_group),
+        ];
+        set_groups(&mut pass, &groups);
+        for pipeline in [&self.even_out, &self.keep_evened] {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups_indirect(&points.work, stage.dispatch_offset);
+        }
+    }
+
     fn begin<'a>(
         &self,
         recorder: &'a mut Recorder<'_>,
@@ -496,8 +541,11 @@ mod tests {
     #[test]
     fn the_default_at_1920_x_1080_fits_what_web_gpu_guarantees() {
         let techniques = TechniqueSettings::default();
-        let plan =
-            PointPlan::new(&techniques, [1920, 1080], SumPlanes { specular: true, near: true, wide: false });
+        let plan = PointPlan::new(
+            &techniques,
+            [1920, 1080],
+            SumPlanes { specular: true, near: true, wide: false, evened: false },
+        );
         let limits = wgpu::Limits::default();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         println!("{} points, the largest buffer {} bytes", plan.capacity(), plan.largest_buffer());
@@ -514,7 +562,7 @@ mod tests {
     fn blocks_divide_pixels() {
         for supersample in 1..=8 {
             let techniques = TechniqueSettings { supersample, ..Default::default() };
-            let planes = SumPlanes { specular: false, near: false, wide: false };
+            let planes = SumPlanes { specular: false, near: false, wide: false, evened: false };
             let plan = PointPlan::new(&techniques, [8, 8], planes);
             for (_, stage) in plan.stages() {
                 assert!(supersample % stage.block == 0 && stage.block <= supersample, "{stage:?}");

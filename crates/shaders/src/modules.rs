@@ -60,6 +60,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry { module: "debug_view", slots: &[] },
     Entry { module: "downsample", slots: &[] },
     Entry { module: "edge_refit", slots: &[] },
+    Entry { module: "even_sums", slots: &[] },
     Entry { module: "gbuffer", slots: &[] },
     Entry { module: "gbuffer_layers", slots: &[] },
     Entry { module: "gloss", slots: &[("reflections", &["reflections_off", "reflections_scene"])] },

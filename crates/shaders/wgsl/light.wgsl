@@ -2,6 +2,7 @@
 #import gbuffer_surface
 #import light_shading
 #import summed_points
+#import sharpness
 #import slot:shadow
 #import slot:bumps
 
@@ -50,6 +51,8 @@ fn light(
         if lights[light].kind == KIND_DISTANT {
             sums.diffuse_unshadowed += diffuse;
             sums.diffuse_shadowed += diffuse * visible + scattered;
+            sums.sharpness += luminance(diffuse) * shadow_sharpness;
+            sums.variance += luminance(diffuse) * luminance(diffuse) * shadow_variance;
             sums.specular_unshadowed += specular;
             sums.specular_shadowed += specular * visible;
         } else {

@@ -10,6 +10,10 @@ struct LightSums {
     // Projected solid angle of the probes: of all, and of what is visible of them.
     probed: f32,
     probed_open: f32,
+    // Where sums are evened out, in the place of probes: how sharp shadows are (`sharpness.wgsl`), times the luminance of the light
+    // [irradiance / m^2], and the variance of the luminance of the shadowed diffuse light.
+    sharpness: f32,
+    variance: f32,
     specular_unshadowed: vec3f,
     specular_shadowed: vec3f,
     // Of lights in the scene, shadowed: the environment's compositing rule does not concern them.
@@ -22,45 +26,64 @@ fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
     (*sums).probed += weight * more.probed;
     (*sums).diffuse_shadowed += weight * more.diffuse_shadowed;
     (*sums).probed_open += weight * more.probed_open;
+    (*sums).sharpness += weight * more.sharpness;
+    (*sums).variance += weight * more.variance;
     (*sums).specular_unshadowed += weight * more.specular_unshadowed;
     (*sums).specular_shadowed += weight * more.specular_shadowed;
     (*sums).diffuse_near += weight * more.diffuse_near;
     (*sums).specular_near += weight * more.specular_near;
 }
 
-// Sums as they lie in memory.
-struct PackedSums {
-    diffuse: vec4u,
-    specular: vec3u,
-    near: vec3u,
+// One word holds what probes see or, where sums are evened out, their grain: there are no probes then.
+fn shared_word(sums: LightSums) -> u32 {
+    if (view.flags & FLAG_EVENED_SUMS) != 0u {
+        return pack2x16float(vec2f(log2(max(sums.sharpness, 1e-30)), view.sum_scales.x * sqrt(sums.variance)));
+    }
+    return pack2x16float(vec2f(sums.probed, sums.probed_open));
 }
 
-fn packed_sums(sums: LightSums) -> PackedSums {
-    let diffuse =
-        pack_color_pair(view.sum_scales.x * sums.diffuse_unshadowed, view.sum_scales.x * sums.diffuse_shadowed);
-    return PackedSums(
-        vec4u(diffuse, pack2x16float(vec2f(sums.probed, sums.probed_open))),
-        pack_color_pair(view.sum_scales.y * sums.specular_unshadowed, view.sum_scales.y * sums.specular_shadowed),
-        pack_color_pair(view.sum_scales.z * sums.diffuse_near, view.sum_scales.z * sums.specular_near),
-    );
+fn share_word(sums: ptr<function, LightSums>, word: u32) {
+    if (view.flags & FLAG_EVENED_SUMS) != 0u {
+        let grain = unpack2x16float(word);
+        (*sums).sharpness = exp2(grain.x);
+        (*sums).variance = grain.y * grain.y / (view.sum_scales.x * view.sum_scales.x);
+        return;
+    }
+    let probes = unpack2x16float(word);
+    (*sums).probed = probes.x;
+    (*sums).probed_open = probes.y;
 }
 
 fn sums_are_wide() -> bool {
     return (view.flags & FLAG_WIDE_SUMS) != 0u;
 }
 
-fn load_sums(point: u32) -> LightSums {
+// What environment lights give to a matte surface, with the word that goes with it: the other sums are 0.
+fn load_diffuse(point: u32) -> LightSums {
     var sums: LightSums;
+    // The last word of wide ones is another's: see `shading_points.wgsl`.
     if sums_are_wide() {
-        return load_wide_sums(point);
+        let first = diffuse_sums[2u * point];
+        let second = diffuse_sums[2u * point + 1u];
+        sums.diffuse_unshadowed = color_from(first.xyz);
+        sums.diffuse_shadowed = color_from(vec3u(first.w, second.xy));
+        share_word(&sums, second.z);
+        return sums;
     }
     let words = diffuse_sums[point];
     let diffuse = unpack_color_pair(words.xyz);
     sums.diffuse_unshadowed = diffuse.first / view.sum_scales.x;
     sums.diffuse_shadowed = diffuse.second / view.sum_scales.x;
-    let probes = unpack2x16float(words.w);
-    sums.probed = probes.x;
-    sums.probed_open = probes.y;
+    share_word(&sums, words.w);
+    return sums;
+}
+
+fn load_sums(point: u32) -> LightSums {
+    var sums = load_diffuse(point);
+    if sums_are_wide() {
+        load_wide_rest(point, &sums);
+        return sums;
+    }
     if (view.flags & FLAG_SPECULAR_SUMS) != 0u {
         let specular =
             unpack_color_pair(vec3u(specular_sums[3u * point], specular_sums[3u * point + 1u], specular_sums[3u * point + 2u]));
@@ -79,26 +102,16 @@ fn color_from(words: vec3u) -> vec3f {
     return bitcast<vec3f>(words);
 }
 
-// The last word of diffuse light is another's: see `shading_points.wgsl`.
-fn load_wide_sums(point: u32) -> LightSums {
-    var sums: LightSums;
-    let first = diffuse_sums[2u * point];
-    let second = diffuse_sums[2u * point + 1u];
-    sums.diffuse_unshadowed = color_from(first.xyz);
-    sums.diffuse_shadowed = color_from(vec3u(first.w, second.xy));
-    let probes = unpack2x16float(second.z);
-    sums.probed = probes.x;
-    sums.probed_open = probes.y;
+fn load_wide_rest(point: u32, sums: ptr<function, LightSums>) {
     let i = 6u * point;
     if (view.flags & FLAG_SPECULAR_SUMS) != 0u {
-        sums.specular_unshadowed = color_from(vec3u(specular_sums[i], specular_sums[i + 1u], specular_sums[i + 2u]));
-        sums.specular_shadowed = color_from(vec3u(specular_sums[i + 3u], specular_sums[i + 4u], specular_sums[i + 5u]));
+        (*sums).specular_unshadowed = color_from(vec3u(specular_sums[i], specular_sums[i + 1u], specular_sums[i + 2u]));
+        (*sums).specular_shadowed = color_from(vec3u(specular_sums[i + 3u], specular_sums[i + 4u], specular_sums[i + 5u]));
     }
     if (view.flags & FLAG_NEAR_SUMS) != 0u {
-        sums.diffuse_near = color_from(vec3u(near_sums[i], near_sums[i + 1u], near_sums[i + 2u]));
-        sums.specular_near = color_from(vec3u(near_sums[i + 3u], near_sums[i + 4u], near_sums[i + 5u]));
+        (*sums).diffuse_near = color_from(vec3u(near_sums[i], near_sums[i + 1u], near_sums[i + 2u]));
+        (*sums).specular_near = color_from(vec3u(near_sums[i + 3u], near_sums[i + 4u], near_sums[i + 5u]));
     }
-    return sums;
 }
 
 // Luminance so far, as irradiance that a white surface would reflect: what arrives (x), and what would without shadows (y), as far as

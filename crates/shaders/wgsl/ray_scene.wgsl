@@ -115,13 +115,22 @@ fn hit_of(triangle: u32, ray: Ray, reach: f32) -> RayHit {
 // What blocked the last ray of this invocation often blocks the next one.
 var<private> last_blocker: u32 = NO_TRIANGLE;
 var<private> last_copy: u32;
+// Where the last ray that met anything met it, in lengths of its direction: the first that was found, not the nearest.
+var<private> last_distance: f32;
 
 // Share of the light along a ray that nothing stops before `reach`, in lengths of `direction`.
 fn transmittance(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
-    if last_blocker != NO_TRIANGLE && hit_of(last_blocker, ray_to(last_copy, origin, direction), reach).opacity == 1.0 {
-        return 0.0;
+    if last_blocker != NO_TRIANGLE {
+        let again = hit_of(last_blocker, ray_to(last_copy, origin, direction), reach);
+        if again.opacity == 1.0 {
+            last_distance = again.distance;
+            return 0.0;
+        }
     }
     let traced = trace(origin, direction, reach, -1.0);
+    if traced.left < 1.0 {
+        last_distance = traced.hit.distance;
+    }
     if traced.left == 0.0 {
         last_blocker = traced.hit.triangle;
         last_copy = traced.hit.copy;
@@ -195,6 +204,9 @@ fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
                     return Traced(hit, 0.0);
                 } else {
                     left *= 1.0 - hit.opacity;
+                    if hit.opacity > 0.0 {
+                        found = hit;
+                    }
                 }
             }
             node++;

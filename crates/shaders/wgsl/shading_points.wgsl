@@ -314,6 +314,13 @@ fn refine(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_ind
     }
 }
 
+// Light so far, and what a change of it is measured by: by what would arrive without shadows. In an interior little of that does; there sums
+// without grain are measured by themselves.
+fn light_to_compare(point: u32) -> vec2f {
+    let light = luminance_so_far(point);
+    return select(light, light.xx, (view.flags & FLAG_EVENED_SUMS) != 0u);
+}
+
 // Whether light so far changes much among the points around a sample, for what it would be without shadows: at edges of shadows, and in
 // highlights.
 fn needs_more(sample: vec2u, depth: f32) -> bool {
@@ -323,7 +330,7 @@ fn needs_more(sample: vec2u, depth: f32) -> bool {
     for (var i = 0; i < 9; i++) {
         let point = neighbour_point(stage.list, sample, i);
         if point != NO_POINT {
-            let light = luminance_so_far(point);
+            let light = light_to_compare(point);
             all_least = min(all_least, light);
             all_most = max(all_most, light.x);
         }
@@ -340,7 +347,7 @@ fn needs_more(sample: vec2u, depth: f32) -> bool {
         let point = neighbour_point(stage.list, sample, i);
         if point != NO_POINT
             && point_weight(stage.list, points[point], sample, position_world, n, normal_power) > NEIGHBOUR_MIN_WEIGHT {
-            let light = luminance_so_far(point);
+            let light = light_to_compare(point);
             least = min(least, light.x);
             most = max(most, light);
         }

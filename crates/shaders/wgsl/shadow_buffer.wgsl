@@ -70,7 +70,7 @@ fn gathered_sums(list: u32, sample: vec2u, position_world: vec3f, n: vec3f) -> L
         return sums;
     }
     let normal_power = normal_power_at(sample);
-    let widening = select(1.0, GRAINY_WIDENING, (view.flags & FLAG_GRAINY_SUMS) != 0u);
+    let widening = select(1.0, GRAINY_WIDENING, (view.flags & (FLAG_GRAINY_SUMS | FLAG_EVENED_SUMS)) == FLAG_GRAINY_SUMS);
     var weights = 0.0;
     var last = NO_POINT;
     for (var i = 0; i < 9; i++) {

@@ -3,6 +3,7 @@
 #import lit_outline
 #import ray_origin
 #import ray_scene
+#import sharpness
 
 // Shadow rays: to points of a light from which as much of its light comes from each, weighted by the cosine. The importer binds `points`.
 
@@ -11,6 +12,10 @@
 
 // Share of a ray's length that is left free before a light: what it hangs on.
 const END_CLEARANCE: f32 = 1e-4;
+// What a light that all rays miss counts of what its penumbra does: most are hidden by walls, and their penumbrae are far.
+const DARK_SHARE: f32 = 0.03;
+// Penumbrae count as at least so many tiles wide: in a corner a little of the light has none, and the rest stays grainy.
+const LEAST_PENUMBRA: f32 = 2.0;
 
 fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let origin = ray_origin(position_world, normal_world);
@@ -25,6 +30,10 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let first = rays * (pixel_of_16(pixel) + 7u * row);
     var lit = 0.0;
     var weights = 0.0;
+    var sharpness = 0.0;
+    let extent = 2.0 * box_half_extent(light);
+    let light_width = min(extent.x, extent.y);
+    let least_penumbra = LEAST_PENUMBRA * f32(view.point_lists[0].sampling) * sample_extent_at(position_world);
     for (var i = 0u; i < rays; i++) {
         let place = textureLoad(light_points, vec2u((first + i) % LIGHT_POINTS, row), 0).xy;
         let direction = outline * vec3f(1.0, place);
@@ -34,8 +43,23 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
         }
         weights += weight;
         if weight > 0.0 && dot(normal_world, direction) > 0.0 {
-            lit += weight * transmittance(origin, direction, reach);
+            let left = transmittance(origin, direction, reach);
+            lit += weight * left;
+            if left < 1.0 {
+                // Of a distant light.
+                let penumbra = light_width * last_distance * length(direction);
+                sharpness += weight / (penumbra * penumbra + least_penumbra * least_penumbra);
+            }
         }
     }
-    return lit / max(weights, 1e-9);
+    let visible = lit / max(weights, 1e-9);
+    shadow_sharpness = sharpness / max(weights, 1e-9);
+    // Of few rays none may have passed by chance.
+    if rays >= 4u && visible == 0.0 {
+        shadow_sharpness *= DARK_SHARE;
+    }
+    // An edge cuts a row of parts of the light, each with one ray. Whatever these have met: averages would lean to what is surer.
+    let count = f32(rays);
+    shadow_variance = 0.25 * min(count, 2.0 * sqrt(count)) / (count * count);
+    return visible;
 }

@@ -6,6 +6,8 @@ use bytemuck::pod_collect_to_vec;
 use gnomon_picture::RgbImage;
 
 use super::{Frame, Renderer};
+use gnomon_shaders::layout;
+
 use crate::gpu::TextureReadBack;
 use crate::layers::{RenderedLayer, RenderedLayers};
 use crate::recorder::{FrameTimings, add_times};
@@ -46,9 +48,10 @@ impl Renderer {
         let samples = techniques.supersample;
         let sampling = samplings(techniques).into_iter().max().unwrap_or(1);
         let fits = |rows: u32| self.point_plan([width, rows]).largest_buffer() <= self.gpu.largest_storage();
-        // Samples look at the tiles around their own, and those at what the list before has around them. So many pixels hold a whole
-        // number of tiles.
-        let overlap = (3 * sampling).div_ceil(samples).next_multiple_of(sampling);
+        // Samples look at the tiles around their own, and those at what the list before has around them; points that are evened out look
+        // at tiles that were, too. So many pixels hold a whole number of tiles.
+        let evened = if self.sum_planes().evened { 2 * layout::EVEN_REACH + 1 } else { 0 };
+        let overlap = ((3 + evened) * sampling).div_ceil(samples).next_multiple_of(sampling);
         let tiles = (1..=height.div_ceil(sampling)).rev();
         let most = || tiles.map(|tiles| tiles * sampling).find(|rows| fits(rows + 2 * overlap));
         let whole = Band::whole(height);

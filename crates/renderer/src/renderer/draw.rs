@@ -297,6 +297,7 @@ impl Renderer {
                 | flag(plan.planes.specular, layout::FLAG_SPECULAR_SUMS)
                 | flag(plan.planes.near, layout::FLAG_NEAR_SUMS)
                 | flag(plan.planes.wide, layout::FLAG_WIDE_SUMS)
+                | flag(plan.planes.evened, layout::FLAG_EVENED_SUMS)
                 | flag(lit.lighting.omits_hidden || lit.lighting.stands_alone, layout::FLAG_OWN_LIGHT)
                 | flag(lit.technique.is_grainy(), layout::FLAG_GRAINY_SUMS)
                 | flag(lit.gloss.is_some(), layout::FLAG_TRACED_GLOSS)
@@ -320,11 +321,19 @@ impl Renderer {
     }
 
     /// The sums of light that scene and lights ask for.
-    fn sum_planes(&self) -> SumPlanes {
+    pub(super) fn sum_planes(&self) -> SumPlanes {
         SumPlanes {
             specular: self.surfaces.iter().any(|surface| !surface.is_matte()),
             near: !self.near_lights.is_empty() || self.state.lit.as_ref().is_some_and(mirrors_scene),
             wide: self.has_wide_sums,
+            evened: self.state.lit.as_ref().is_some_and(|lit| {
+                let [_, probes] = lit.lighting.fitted();
+                // Groups of lights are summed one after another: averages of each by itself would not add up.
+                !self.has_wide_sums
+                    && lit.technique.is_grainy()
+                    && lit.lighting.omits_hidden
+                    && probes.is_empty()
+            }),
         }
     }
 

@@ -30,6 +30,11 @@ impl Renderer {
             );
             recorder.end_pass("points")?;
             lit.batches.encode(recorder, &lit.light, scene, stage)?;
+            if stage.list == 0 {
+                let groups = [&self.view_group, gbuffer_group];
+                self.passes.of_models.points.even_out(recorder, scene.points, stage, groups);
+                recorder.end_pass("even out")?;
+            }
             if let Some(gloss) = lit.gloss.as_ref().filter(|_| self.debug.is_none()) {
                 gloss.encode(recorder, gbuffer_group, scene.points, stage);
                 recorder.end_pass("gloss")?;

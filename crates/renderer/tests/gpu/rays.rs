@@ -93,6 +93,76 @@ fn no_light_enters_a_closed_room_of_planes() {
     assert!(window > 0.1, "{window}");
 }
 
+/// In a room with one window, by as few rays as are usual. The planted fault is the same light of an open scene, whose sums stay as they are.
+#[test]
+fn in_an_interior_grain_is_evened_out() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let map = gnomon_envmap::builtin::sized("room", 128, 64).unwrap();
+    let options = FitOptions { light_count: Some(48), ..Default::default() };
+    let set = gnomon_lights::fit::by_name("partition", &options).unwrap().fit(&map).unwrap();
+    let set =
+        |omits_hidden| LightSet { omits_hidden, ..LightSet::new("cells", set.lights.clone(), no_light()) };
+    let mut room = cube();
+    room.triangles.truncate(10);
+    let part = |middle: [f32; 3], half: [f32; 3]| {
+        let mut part = cube();
+        let placed = |corner: Vec3| Vec3::from(middle) + Vec3::from(half) * corner;
+        part.positions.iter_mut().for_each(|corner| *corner = placed(*corner));
+        part
+    };
+    let meshes = vec![
+        room,
+        // A wall about a window, and a table on two legs.
+        part([-0.7, 0.0, 1.0], [0.3, 1.0, 0.02]),
+        part([0.7, 0.0, 1.0], [0.3, 1.0, 0.02]),
+        part([0.0, 0.8, 1.0], [0.4, 0.2, 0.02]),
+        part([0.0, -0.6, 1.0], [0.4, 0.4, 0.02]),
+        part([0.0, -0.4, 0.1], [0.4, 0.03, 0.3]),
+        part([-0.3, -0.7, 0.0], [0.03, 0.3, 0.03]),
+        part([0.3, -0.7, 0.2], [0.03, 0.3, 0.03]),
+    ];
+    let scene = scene_of(meshes, Material::default());
+    let camera = Camera::look_at(Vec3::new(0.8, 0.3, 0.9), Vec3::new(-0.4, -0.6, -0.5), 1.4);
+    let size = [96, 72];
+    let traced = ReferenceOptions { width: 96, height: 72, samples_per_pixel: 1024, ..Default::default() };
+    let dark = no_light();
+    let truth =
+        gnomon_reference::render_lights(&scene, &camera, &set(true), ResidualShadows::Cast, &dark, &traced)
+            .unwrap()
+            .mean;
+    let of = |omits_hidden| {
+        let settings = RenderSettings::default().with(|s| {
+            s.techniques.shadows = "rays".to_owned();
+            s.techniques.compositing = "additive".to_owned();
+        });
+        // Lights of an interior shine as the map tells: evenly, as the tracer has them.
+        let even = constant_map(Vec3::ONE);
+        let picture = render(&gpu, settings, &scene, &even, &set(omits_hidden), &camera, size).radiance;
+        (compare(&picture, &truth, None).unwrap().relative_rmse, grain(&picture))
+    };
+    let ((evened, even_grain), (grainy, grain)) = (of(true), of(false));
+    println!("evened out {evened:.4}, grain {even_grain:.4}; else {grainy:.4}, grain {grain:.4}");
+    assert!(even_grain <= tolerances::GRAIN && even_grain < 0.7 * grain, "{even_grain}, else {grain}");
+    assert!(evened < 1.02 * grainy, "{evened}, else {grainy}");
+}
+
+/// Of a wall in the picture's upper right, which light falls on evenly: how far blocks of 4 x 4 pixels, about what blotches measure, differ from
+/// the mean of those around them, RMS over the mean.
+fn grain(picture: &RgbImage) -> f32 {
+    let block = |x: u32, y: u32| {
+        let pixels = (0..16).map(|i| picture.get(4 * x + i % 4, 4 * y + i / 4).y);
+        pixels.sum::<f32>() / 16.0
+    };
+    let (mut squares, mut sum, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
+    for (x, y) in (13..22).flat_map(|x| (1..6).map(move |y| (x, y))) {
+        let around = (block(x - 1, y) + block(x + 1, y) + block(x, y - 1) + block(x, y + 1)) / 4.0;
+        squares += (block(x, y) - around).powi(2);
+        sum += block(x, y);
+        count += 1.0;
+    }
+    (squares / count).sqrt() / (sum / count)
+}
+
 #[test]
 fn bars_thinner_than_any_texel_darken_by_their_coverage() {
     let Some(gpu) = gpu_or_skip() else { return };

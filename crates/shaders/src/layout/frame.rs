@@ -42,6 +42,8 @@ super::constants! {
 
     /// [`View::flags`]: bumps light each other.
     pub const FLAG_BUMP_SCATTER: u32 = 1024;
+    /// [`View::flags`]: grainy sums are averaged over what shadows allow; there are no probes.
+    pub const FLAG_EVENED_SUMS: u32 = 2048;
 
     /// [`Light::shape`] of a disk.
     pub const SHAPE_DISK: u32 = 0;
@@ -78,6 +80,9 @@ super::constants! {
     pub const WORK_EDGE_DISPATCH: u32 = 36;
     /// A word for every pixel that tells whether it is an edge pixel, then the list of those.
     pub const WORK_PIXELS: u32 = 40;
+
+    /// Most tiles on each side that grainy sums are averaged over.
+    pub const EVEN_REACH: u32 = 4;
 
     /// Index of no point.
     pub const NO_POINT: u32 = u32::MAX;
