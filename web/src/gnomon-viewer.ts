@@ -57,6 +57,8 @@ export class GnomonViewer extends HTMLElement {
   #status: Status | undefined;
   #loaded = false;
   #link: Link | undefined;
+  /** Whether the session has been asked for: until then attributes and link are what it begins with. */
+  #begun = false;
   readonly #root: ShadowRoot;
   readonly #bar: HTMLElement;
   readonly #told: HTMLElement;
@@ -91,12 +93,14 @@ export class GnomonViewer extends HTMLElement {
     this.#client?.close();
     this.#canvas?.remove();
     this.#client = this.#canvas = this.#status = undefined;
-    this.#loaded = false;
+    this.#loaded = this.#begun = false;
   }
 
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
     if (before === value || !this.isConnected) return;
     const failed = (error: unknown) => this.#fail(error);
+    const begins = !this.#begun && ["src", "environment", "environment-image", "animation-name", "options"].includes(name);
+    if (begins) return;
     switch (name) {
       case "src":
         (isBuiltIn(this.src) ? this.openBuiltIn(this.src) : this.#fetch(this.src).then((files) => this.openFiles(files))).catch(failed);
@@ -224,17 +228,20 @@ export class GnomonViewer extends HTMLElement {
     client.onreference = (state) => this.onreference(state);
     client.onfailure = (message) => this.#fail(new Error(message));
     this.#allowNavigation();
+    this.#begun = true;
+    const { src, environmentImage: environment } = this;
+    const [link, given] = [this.#link, optionsOf(this.getAttribute("options"))];
+    const named = this.getAttribute("animation-name");
     try {
       this.#progress(0.05);
-      const scene = isBuiltIn(this.src) ? undefined : (await sorted(await this.#fetch(this.src))).scene;
-      const environment = this.environmentImage;
+      const scene = isBuiltIn(src) ? undefined : (await sorted(await this.#fetch(src))).scene;
       const map = environment && !isBuiltIn(environment) ? await this.#fetch(environment) : [];
-      const clip = this.getAttribute("animation-name") ?? (this.hasAttribute("autoplay") && scene ? "0" : undefined);
+      const clip = named ?? (this.hasAttribute("autoplay") && scene ? "0" : undefined);
       const request: Request = {
-        ...this.#link,
-        scene: scene?.path ?? this.src,
+        ...link,
+        scene: scene?.path ?? src,
         ...(environment ? { environment: map[0]?.path ?? environment } : {}),
-        options: [...optionsOf(this.getAttribute("options")), ...(this.#link?.options ?? []), ...(clip ? [["clip", clip] as [string, string]] : [])],
+        options: [...given, ...(link?.options ?? []), ...(clip ? [["clip", clip] as [string, string]] : [])],
         size: this.#pixels(),
       };
       this.#progress(0.2);

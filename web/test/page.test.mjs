@@ -179,6 +179,8 @@ test("a link brings the same picture back", options, async () => {
   await page.locator("gnomon-viewer").evaluate((viewer) => viewer.shadowRoot.getElementById("picture").focus());
   await page.keyboard.press("ArrowLeft");
   await atRest(page);
+  // A ring shows where the keyboard is.
+  await page.evaluate(() => document.activeElement.blur());
   const before = await seen(page, "gnomon-viewer");
   await page.locator("#copy-link").evaluate((button) => button.click());
   await page.waitForFunction(() => /studio/.test(decodeURIComponent(location.hash)));

@@ -34,7 +34,11 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     let variant = source.options.variant.clone().or_else(|| file.variant.clone());
     let options = LoadOptions { variant, ..source.options.clone() };
     let source = &Source { options: &options, ..*source };
-    Reader { text, source }.scene(&file, budget)
+    let mut loaded = Reader { text, source }.scene(&file, budget)?;
+    if loaded.scene.meshes.is_empty() {
+        loaded.scene.warnings.push("the scene file places no model".to_owned());
+    }
+    Ok(loaded)
 }
 
 /// Those tables of a scene file that say how it is drawn, which [`super::load`] leaves alone: `T` has a field for each, with a default,
