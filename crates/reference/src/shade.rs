@@ -53,7 +53,7 @@ impl Tracer<'_> {
         );
         let direct = direct + self.scattered(&point, sequence, index);
         if point.catches {
-            return self.behind(ray) * self.share_left(&point, direct);
+            return self.caught(&point, ray, direct);
         }
         if !(self.reflections && point.layers().lobe.is_present()) {
             return direct;
@@ -104,6 +104,17 @@ impl Tracer<'_> {
         };
         let seen = self.scene.hit_point(&hit, -wi);
         reflectance * self.direct(&seen, -wi, beyond)
+    }
+
+    /// What is seen of a catcher that reflects `direct`: what is behind it by the share of light that is left there, and a share of a matte
+    /// surface of its own.
+    fn caught(&self, point: &HitPoint, ray: &Ray, direct: Vec3) -> Vec3 {
+        let left = self.share_left(point, direct);
+        let Some((ground, color)) = point.fades else { return self.behind(ray) * left };
+        let direction = ground.direction(point.position, ray.direction);
+        let behind = self.behind(&Ray { direction, ..*ray }) * left;
+        let share = if ground.camera_height > 0.0 { 0.0 } else { ground.share(point.position) };
+        behind.lerp(direct * color / point.surface.base_color, share)
     }
 
     /// What the camera sees along a ray that meets nothing.

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::{Affine2, Vec2, Vec3};
 use gnomon_brdf::{Surface, Tables};
 
-use crate::Height;
+use crate::{GroundFade, Height};
 
 /// Index into [`crate::Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -117,6 +117,8 @@ pub struct Material {
     pub double_sided: bool,
     /// Shows what is seen behind the scene, by the share of the light that shadows leave on it, and blocks no light itself.
     pub catches: bool,
+    /// How a catcher changes with the distance from the middle of its mesh: for the one of [`crate::Scene::ground`].
+    pub fade: Option<GroundFade>,
 }
 
 impl Default for Material {
@@ -140,6 +142,7 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             catches: false,
+            fade: None,
         }
     }
 }

@@ -96,7 +96,7 @@ impl Loaded {
             height.scale *= look.scene.bump_scale;
         }
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
-        scene.add_ground_under(look.scene.ground, reach);
+        scene.add_ground_under(look.scene.ground, look.scene.ground_camera_height, reach);
         let count = scene.materials.len();
         for (&index, settings) in &look.surfaces {
             let material = scene.materials.get_mut(index).ok_or_else(|| {

@@ -38,12 +38,29 @@ fn a_catcher_without_shadows_is_not_seen() {
     assert!(error < 2e-3 && most < 4e-3, "{error} {most}");
 }
 
-/// Before the environment, and laid over it by its alpha. `GNOMON_PICTURES=folder` keeps the pictures.
 #[test]
 fn a_catcher_is_as_dark_as_ray_traced() {
+    is_as_ray_traced(Ground::Catcher);
+}
+
+#[test]
+fn a_ground_fades_as_ray_traced() {
+    is_as_ray_traced(Ground::Fade);
+}
+
+#[test]
+fn a_ground_is_projected_as_ray_traced() {
+    is_as_ray_traced(Ground::Projected);
+}
+
+/// Before the environment, and laid over it by its alpha. `GNOMON_PICTURES=folder` keeps the pictures.
+fn is_as_ray_traced(ground: Ground) {
     let Some(gpu) = gpu_or_skip() else { return };
-    let mut scene = builtin::by_name("three-boxes").unwrap();
-    scene.add_ground(Ground::Catcher);
+    let mut scene = match ground {
+        Ground::Catcher => builtin::by_name("three-boxes").unwrap(),
+        _ => builtin::without_ground("three-boxes").unwrap(),
+    };
+    scene.add_ground(ground);
     let camera = &scene.cameras[0];
     let map = gnomon_envmap::builtin::sized("sky", 256, 128).unwrap();
     let options =
@@ -70,7 +87,7 @@ fn a_catcher_is_as_dark_as_ray_traced() {
     if let Some(folder) = std::env::var_os("GNOMON_PICTURES") {
         let folder = std::path::Path::new(&folder);
         for (what, picture) in [("drawn", &drawn), ("composite", &composite), ("truth", &truth)] {
-            gnomon_picture::write(folder.join(format!("catcher_{what}.png")), picture).unwrap();
+            gnomon_picture::write(folder.join(format!("{ground:?}_{what}.png")), picture).unwrap();
         }
     }
     let error = |picture: &RgbImage| compare(picture, &truth, None).unwrap().relative_rmse;
@@ -79,10 +96,15 @@ fn a_catcher_is_as_dark_as_ray_traced() {
     let pairs = frame.alpha.iter().zip(&true_alpha);
     let square: f64 = pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum();
     let alpha = (square / frame.alpha.len() as f64).sqrt();
-    println!("over the map {drawn:.4}, by alpha {composite:.4}, alpha itself {alpha:.4}");
+    println!("{ground:?}: over the map {drawn:.4}, by alpha {composite:.4}, alpha itself {alpha:.4}");
     assert!(drawn < tolerances::CATCHER_RELATIVE_RMSE, "{drawn}");
     assert!(composite < tolerances::CATCHER_RELATIVE_RMSE, "{composite}");
     assert!(alpha < tolerances::CATCHER_RELATIVE_RMSE, "{alpha}");
+    // Of what is projected the alpha knows nothing: it is a picture of the map itself that is another.
+    if ground == Ground::Projected {
+        assert!(error(&behind) > 3.0 * drawn);
+        return;
+    }
     // It is seen, and hides nothing where no shadow falls.
     assert!(error(&behind) > 3.0 * drawn);
     assert!(frame.alpha.iter().any(|alpha| (0.2..0.9).contains(alpha)));

@@ -128,6 +128,12 @@ super::structs! {
         pub full_sh: [Vec4; 9],
         /// Rotation of directions: the environment's maps and coefficients stay as they are when it turns.
         pub environment_from_world: Mat4,
+        /// Middle of the ground that fades [m].
+        pub ground_center: Vec3,
+        /// Height of the environment's camera over it; 0 for one with a colour of its own [m].
+        pub ground_camera_height: f32,
+        /// Distances from the middle between which it fades [m].
+        pub ground_fade: Vec2,
     }
 
     /// Shading points that some lights are summed at. A list takes the sums of the one before over and adds its own lights.
