@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3, Vec3};
 use gnomon_lights::{DistantLight, LightShape};
-use gnomon_scene::PlacedLight;
+use gnomon_scene::{AreaLightShape, PlacedLight};
 
 use crate::environment::{Aim, EnvironmentSampler, IMPORTANCE, choose_weighted};
 use crate::near_light::{NearLight, Seen};
@@ -9,6 +9,8 @@ use crate::near_light::{NearLight, Seen};
 pub(crate) struct Illumination<'a> {
     map: Option<EnvironmentSampler<'a>>,
     lights: Vec<AreaLight>,
+    /// How many of the lights are not the scene's own suns, which come last.
+    of_environment: usize,
     near: Vec<NearLight>,
 }
 
@@ -25,19 +27,30 @@ pub(crate) struct Aimed<'l, 'a> {
 
 impl<'a> Illumination<'a> {
     pub(crate) fn new(map: Option<EnvironmentSampler<'a>>, lights: &[DistantLight]) -> Self {
-        Self { map, lights: lights.iter().filter_map(AreaLight::new).collect(), near: Vec::new() }
+        let lights: Vec<_> = lights.iter().filter_map(AreaLight::new).collect();
+        Self { map, of_environment: lights.len(), lights, near: Vec::new() }
     }
 
     /// The same and lights in the scene.
-    pub(crate) fn with_near(self, lights: &[PlacedLight]) -> Self {
-        Self { near: lights.iter().map(NearLight::new).collect(), ..self }
+    pub(crate) fn with_near(mut self, lights: &[PlacedLight]) -> Self {
+        for light in lights {
+            match light.shape {
+                AreaLightShape::Sun { angular_radius } => {
+                    let sun =
+                        DistantLight::around(-light.normal, light.tangent, angular_radius, light.radiance);
+                    self.lights.extend(AreaLight::new(&sun));
+                }
+                _ => self.near.push(NearLight::new(light)),
+            }
+        }
+        self
     }
 
-    /// Unshadowed irradiance of what is infinitely far away on a surface with the unit normal `n`.
+    /// Unshadowed irradiance of the environment on a surface with the unit normal `n`.
     pub(crate) fn irradiance(&self, n: Vec3) -> DVec3 {
         let map = self.map.as_ref().map_or(DVec3::ZERO, |sampler| sampler.map().irradiance(n));
         let light = |light: &AreaLight| (light.radiance * light.source.irradiance(n)).as_dvec3();
-        map + self.lights.iter().map(light).sum::<DVec3>()
+        map + self.lights[..self.of_environment].iter().map(light).sum::<DVec3>()
     }
 
     /// For a surface at `point` [m] with the unit normal `n`.
@@ -97,7 +110,7 @@ impl Aimed<'_, '_> {
         for seen in &self.near {
             if let Some((distance, light_pdf)) = seen.hit(wi) {
                 density += seen.weight * light_pdf;
-                radiance += seen.light.radiance * arrives(distance as f32);
+                radiance += seen.radiance * arrives(distance as f32);
             }
         }
         (radiance, if self.total > 0.0 { density / self.total } else { 0.0 })

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use gnomon_lights::DistantLight;
 use gnomon_picture::LUMINANCE;
-use gnomon_scene::PlacedLight;
+use gnomon_scene::{AreaLightShape, PlacedLight};
 use gnomon_shaders::layout;
 
 use crate::TechniqueSettings;
@@ -92,11 +92,28 @@ impl FrameLight<'_> {
                 let resolution = settings.shadow_sizing.resolution(footprint(light), share, [usual, most]);
                 (resolution, self.is_sharp(total_flux))
             }
-            Self::Near(_) => (usual, true),
+            Self::Near(light) => match distant(light) {
+                Some(sun) => {
+                    let most =
+                        if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
+                    (settings.shadow_sizing.resolution(footprint(&sun), 1.0, [usual, most]), true)
+                }
+                None => (usual, true),
+            },
         };
         let resolution = if technique.depth_maps().is_some() { resolution } else { 1 };
         // Sharp lights are summed at the last list.
         LightNeeds { points: if is_sharp { samplings(settings).len() - 1 } else { 0 }, resolution }
+    }
+}
+
+/// What one of the scene's own lights is where it is a sun.
+pub(crate) fn distant(light: &PlacedLight) -> Option<DistantLight> {
+    match light.shape {
+        AreaLightShape::Sun { angular_radius } => {
+            Some(DistantLight::around(-light.normal, light.tangent, angular_radius, light.radiance))
+        }
+        _ => None,
     }
 }
 
@@ -158,6 +175,14 @@ impl LightFitting {
         slices: &ViewSlices,
     ) -> (layout::Light, DrawnCasters) {
         let scene = &geometry.placed_boxes;
+        let sun = match light {
+            FrameLight::Near(light) => distant(light),
+            FrameLight::Distant { .. } => None,
+        };
+        let light = match &sun {
+            Some(light) => &FrameLight::Distant { light, role: layout::ROLE_SUN, slice: None, points: None },
+            None => light,
+        };
         let (mut uniform, wanted) = match *light {
             FrameLight::Distant { light, role, slice, points } => {
                 let seen = slice.map_or(Some(ViewSlice::WHOLE), |slice| slices.get(slice));
@@ -198,7 +223,7 @@ pub(crate) fn sum_scales<'a>(lights: impl Iterator<Item = &'a layout::Light>) ->
             (layout::KIND_DISTANT, layout::ROLE_LIGHT) => {
                 Vec3::new(radiance * light.solid_angle, radiance, 0.0)
             }
-            (layout::KIND_DISTANT, _) => Vec3::ZERO,
+            (layout::KIND_DISTANT, layout::ROLE_PROBE) => Vec3::ZERO,
             _ => Vec3::new(0.0, 0.0, PI * radiance),
         }
     };

@@ -84,6 +84,10 @@ struct SceneFile {
     // How the scene is drawn is read by whoever draws it, through `read_sections`.
     #[serde(rename = "bump_scale")]
     _bump_scale: Option<IgnoredAny>,
+    #[serde(rename = "ground_camera_height")]
+    _ground_camera_height: Option<IgnoredAny>,
+    #[serde(rename = "lamp_strength")]
+    _lamp_strength: Option<IgnoredAny>,
     #[serde(rename = "paper")]
     _paper: Option<IgnoredAny>,
     #[serde(rename = "fit")]

@@ -1,11 +1,12 @@
 //! The TOML scene file.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
+use std::f32::consts::PI;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
 use gnomon_brdf::{Model, Parameter};
-use gnomon_scene::{AreaLightShape, Camera, Ground};
+use gnomon_scene::{AreaLightShape, Camera, Ground, Spread};
 use gnomon_scene_files::{
     EnvironmentSettings, EnvironmentSource, FileResolver, LoadOptions, LoadedScene, SceneFileError, load,
     read_sections,
@@ -92,6 +93,41 @@ fn lights_are_placed_and_ride_on_models() {
     // Power pi^2 over pi times an area of pi.
     assert!((bulb.radiance - Vec3::X).length() < 1e-6, "{}", bulb.radiance);
     assert!((lid.normal - Vec3::NEG_Y).length() < 1e-6 && lid.tangent.y == 0.0);
+}
+
+#[test]
+fn spots_and_suns_have_their_own_keys() {
+    let scene = attempt(
+        "[[light]]\nshape = \"spot\"\nradius = 0.1\ncone = [10, 30]\ntarget = [0, -1, 0]\nintensity = [1, 2, 3]\n\
+         [[light]]\nshape = \"sun\"\nangle = 2\ndirection = [1, -1, 0]\nirradiance = [4, 4, 4]\n\
+         [[light]]\nshape = \"sphere\"\nradius = 0.5\nintensity = [1, 1, 1]\n",
+    )
+    .unwrap()
+    .scene;
+    let [spot, sun, sphere] = scene.placed_lights()[..] else { panic!("three lights") };
+    assert_eq!(spot.spread, Spread::Cone { inner: 10_f32.to_radians(), outer: 30_f32.to_radians() });
+    assert!((spot.radiance.z * PI * 0.01 - 3.0).abs() < 1e-5);
+    assert_eq!(sun.shape, AreaLightShape::Sun { angular_radius: 1_f32.to_radians() });
+    assert!((sun.radiance.x * PI * 1_f32.to_radians().sin().powi(2) - 4.0).abs() < 1e-5);
+    assert!((sphere.radiance.x * PI * 0.25 - 1.0).abs() < 1e-5);
+    for (light, words) in [
+        ("shape = \"spot\"\nradius = 1\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]", "needs a 'cone'"),
+        (
+            "shape = \"spot\"\nradius = 1\ncone = [30, 30]\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]",
+            "the first smaller",
+        ),
+        (
+            "shape = \"disk\"\nradius = 1\ncone = [3, 30]\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]",
+            "only a spot",
+        ),
+        ("shape = \"sun\"\nradius = 1\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]", "no 'radius'"),
+        ("shape = \"sun\"\nangle = 180\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]", "angle must be"),
+        ("shape = \"sun\"\ntarget = [0, -1, 0]\npower = [1, 1, 1]", "'irradiance'"),
+        ("shape = \"sun\"\nradiance = [1, 1, 1]", "'target' or 'direction'"),
+    ] {
+        let error = attempt(&format!("[[light]]\n{light}\n")).unwrap_err().to_string();
+        assert!(error.contains(words), "{light}: {error}");
+    }
 }
 
 #[test]

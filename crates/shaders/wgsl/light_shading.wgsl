@@ -1,6 +1,7 @@
 #import frame
 #import gbuffer_surface
 #import form_factor
+#import cone_share
 
 // Unshadowed light of one area light on a surface.
 
@@ -52,6 +53,13 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
             vec4f(to_light + a - b, 0.0),
         ),
     );
+}
+
+// Radiance of a light towards a place: that of the direction from its centre, for all of it.
+fn light_radiance(light: u32, position_world: vec3f) -> vec3f {
+    let from_center = position_world - lights[light].position;
+    let cosine = dot(from_center, lights[light].front) * inverseSqrt(max(dot(from_center, from_center), 1e-30));
+    return lights[light].radiance * cone_share(cosine, lights[light].cone);
 }
 
 // A light as a surface sees it; the sides of a distant one keep its solid angle.

@@ -130,6 +130,8 @@ settings! {
         ground: Ground = Ground::None, choice(Ground::choices).varies("fade for glTF, OBJ, PLY and STL files that bring no ground, none for others");
         /// Height of the environment's camera over a projected ground: what is seen in the environment straight below it lies there.
         ground_camera_height: f32 = CAMERA_HEIGHT, number(1e-6, 1e6).unit("m").only_for("ground", &["projected"]);
+        /// Factor of the light of the scene's own lights, those of glTF files in candela and lux; 0 leaves them out.
+        lamp_strength: f32 = 1.0, number(0.0, 1e6);
         /// Material variant of glTF models that is shown, by its name.
         variant: Option<String> = None, text().automatic("each model's own materials", 0.0);
         /// The axis that points up in files that do not say: OBJ, PLY and STL.

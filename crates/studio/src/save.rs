@@ -52,9 +52,11 @@ struct SurfaceTable<'a> {
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
-const REPLACED: [&str; 12] = [
+const REPLACED: [&str; 14] = [
     "bump_scale",
     "ground",
+    "ground_camera_height",
+    "lamp_strength",
     "variant",
     "up",
     "unit",

@@ -95,6 +95,9 @@ impl Loaded {
         for height in scene.materials.iter_mut().filter_map(|material| material.height.as_mut()) {
             height.scale *= look.scene.bump_scale;
         }
+        for light in &mut scene.lights {
+            light.radiance *= look.scene.lamp_strength;
+        }
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
         scene.add_ground_under(look.scene.ground, look.scene.ground_camera_height, reach);
         let count = scene.materials.len();

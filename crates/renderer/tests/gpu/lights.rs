@@ -10,7 +10,9 @@ use gnomon_metrics::{compare, penumbra};
 use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, composite, shadow};
-use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, builtin};
+use gnomon_scene::{
+    AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, Spread, builtin,
+};
 use gnomon_testing::tolerances;
 
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
@@ -18,7 +20,12 @@ const DISK: AreaLightShape = AreaLightShape::Disk { radius: 0.2 };
 
 fn add_light(scene: &mut Scene, shape: AreaLightShape, parent_from_node: Affine3A) {
     scene.nodes.push(Node { parent_from_node, ..Node::default() });
-    scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: RADIANCE });
+    scene.lights.push(AreaLight {
+        node: NodeId(scene.nodes.len() - 1),
+        shape,
+        radiance: RADIANCE,
+        spread: Default::default(),
+    });
 }
 
 /// Facing down, the width along x.
@@ -92,6 +99,10 @@ fn irradiance_on_the_open_plane_has_its_closed_form() {
             (AreaLightShape::Sphere { radius: 0.4 }, Affine3A::from_translation(aside)),
             PI * 0.16 / aside.length_squared() * height / aside.length(),
         ),
+        (
+            (AreaLightShape::Sun { angular_radius: 0.05 }, facing(aside, Vec3::ZERO)),
+            PI * 0.05_f32.sin().powi(2) * height / aside.length(),
+        ),
     ];
     for (shadows, _) in shadow::names() {
         let mut renderer = unlit_renderer(&gpu, shadows);
@@ -105,6 +116,31 @@ fn irradiance_on_the_open_plane_has_its_closed_form() {
             let error = (seen / expected - 1.0).abs().max_element();
             println!("{shadows} {shape:?}: off by {error}");
             assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{shadows} {shape:?}: {seen} {expected}");
+        }
+    }
+}
+
+/// Half way between the angles of inner and outer cone, by cosine, a spot has a quarter of its intensity; outside it has none.
+#[test]
+fn spots_fall_off_as_khr_lights_punctual_has_it() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (radius, height) = (0.01_f32, 2.0_f32);
+    let floor = horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0);
+    for (shadows, _) in shadow::names() {
+        let mut renderer = unlit_renderer(&gpu, shadows);
+        for (angle, share) in [(0.0_f32, 1.0), (0.2, 1.0), (0.55_f32.acos(), 0.25), (1.2, 0.0)] {
+            let mut scene = scene_of(vec![floor.clone()], lambert(1.0));
+            // As far from the place that is looked at, which lies in that direction from the front.
+            let turned = Affine3A::from_translation(Vec3::Y * height) * Affine3A::from_rotation_z(angle);
+            add_light(&mut scene, AreaLightShape::Sphere { radius }, turned * facing_down(Vec3::ZERO));
+            scene.lights[0].spread = Spread::Cone { inner: 0.7_f32.acos(), outer: 0.4_f32.acos() };
+            renderer.set_scene(&scene).unwrap();
+            let seen = renderer.render(&downward(0.1, 1e-3), 3, 3).unwrap().radiance.get(1, 1);
+            let intensity = RADIANCE * PI * radius * radius;
+            let expected = share * intensity / (height * height) / PI;
+            let error = ((seen - expected) / (intensity / (height * height) / PI)).abs().max_element();
+            println!("{shadows} {angle}: off by {error}");
+            assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{shadows} {angle}: {seen} {expected}");
         }
     }
 }
@@ -187,8 +223,13 @@ fn lamps_over_three_boxes_match_ray_tracing() {
         ("disk", DISK),
         ("rectangle", AreaLightShape::Rectangle { size: Vec2::new(0.6, 0.3) }),
         ("sphere", AreaLightShape::Sphere { radius: 0.2 }),
+        ("spot", AreaLightShape::Sphere { radius: 0.2 }),
+        ("sun", AreaLightShape::Sun { angular_radius: 0.06 }),
     ] {
-        let scene = lamp_over_boxes(shape);
+        let mut scene = lamp_over_boxes(shape);
+        if name == "spot" {
+            scene.lights[0].spread = Spread::Cone { inner: 0.25, outer: 0.6 };
+        }
         let camera = &scene.cameras[0];
         let options =
             ReferenceOptions { width: size[0], height: size[1], samples_per_pixel: 64, ..Default::default() };

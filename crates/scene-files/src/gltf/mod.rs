@@ -23,6 +23,7 @@ mod document;
 mod draco;
 mod extensions;
 mod instancing;
+mod lights;
 mod materials;
 mod meshes;
 mod meshopt;

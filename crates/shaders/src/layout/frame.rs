@@ -57,6 +57,8 @@ super::constants! {
     pub const ROLE_LIGHT: u32 = 0;
     /// [`Light::role`] of a light that only tells how much of the sky is open.
     pub const ROLE_PROBE: u32 = 1;
+    /// [`Light::role`] of a distant light of the scene's own: it is no part of the environment's light.
+    pub const ROLE_SUN: u32 = 2;
     /// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
     pub const MAX_BATCH_LIGHTS: u32 = 160;
     /// [`Batch::flags`]: nothing has been summed before.
@@ -216,6 +218,10 @@ super::structs! {
         pub vector_irradiance: Vec3,
         /// Place in the frame's list of lights, whatever batch it is in.
         pub number: u32,
+        /// Of a light in the scene, unit: the middle of what it sends its light to.
+        pub front: Vec3,
+        /// What of its radiance it has in a direction: factor and summand of the cosine in `cone_share`.
+        pub cone: Vec2,
     }
 
     /// A batch of lights whose maps are held together.
