@@ -21,6 +21,8 @@ pub(crate) struct Aimed<'l, 'a> {
     n: Vec3,
     map: Option<(&'l EnvironmentSampler<'a>, Aim)>,
     near: Vec<Seen<'l>>,
+    /// Factor of the scene's own lights.
+    own: f32,
     /// Sum of the weights of map and lights.
     total: f64,
 }
@@ -61,11 +63,16 @@ impl<'a> Illumination<'a> {
         let total = map.as_ref().map_or(0.0, |(_, aim)| aim.total)
             + lights
             + near.iter().map(|seen| seen.weight).sum::<f64>();
-        Aimed { illumination: self, n, map, near, total }
+        Aimed { illumination: self, n, map, near, own: 1.0, total }
     }
 }
 
 impl Aimed<'_, '_> {
+    /// The same with so much of the scene's own lights.
+    pub(crate) fn with_own(self, own: f32) -> Self {
+        Self { own, ..self }
+    }
+
     /// A direction drawn by `u` and `u_choice`, each in `[0, 1)`; `None` where nothing shines on the surface.
     pub(crate) fn sample(&self, u: DVec2, u_choice: f64) -> Option<Vec3> {
         let lights = &self.illumination.lights;
@@ -97,9 +104,10 @@ impl Aimed<'_, '_> {
             distant = map.radiance(wi);
             density = aim.total * map.pdf(aim, wi, distant);
         }
-        for light in &self.illumination.lights {
+        for (place, light) in self.illumination.lights.iter().enumerate() {
             if let Some(light_pdf) = light.pdf(wi) {
-                distant += light.radiance;
+                let is_own = place >= self.illumination.of_environment;
+                distant += light.radiance * if is_own { self.own } else { 1.0 };
                 density += f64::from(light.weight(self.n)) * light_pdf;
             }
         }
@@ -110,7 +118,7 @@ impl Aimed<'_, '_> {
         for seen in &self.near {
             if let Some((distance, light_pdf)) = seen.hit(wi) {
                 density += seen.weight * light_pdf;
-                radiance += seen.radiance * arrives(distance as f32);
+                radiance += self.own * seen.radiance * arrives(distance as f32);
             }
         }
         (radiance, if self.total > 0.0 { density / self.total } else { 0.0 })

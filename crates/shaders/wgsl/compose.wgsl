@@ -282,9 +282,16 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     }
     let shaded = shade(surface, sums);
     if catches != CATCHES_NOT {
-        // A projected ground shows nothing but the environment.
-        let fades = catches == CATCHES_FADING && view.ground_camera_height <= 0.0;
-        return part_of_catcher(mean, select(0.0, fading_ground_share(surface.position_world), fades), surface, shaded);
+        var caught = shaded;
+        var share = 0.0;
+        if catches == CATCHES_FADING {
+            share = fading_ground_share(surface.position_world);
+            // What the scene's own lights add ends with the ground.
+            caught.lit = mix(shaded.shadow, shaded.lit, share);
+            // A projected ground shows nothing but the environment.
+            share = select(share, 0.0, view.ground_camera_height > 0.0);
+        }
+        return part_of_catcher(mean, share, surface, caught);
     }
     return vec4f(part_of(surface, shaded), 1.0);
 }

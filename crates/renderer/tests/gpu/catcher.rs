@@ -1,13 +1,13 @@
 //! A ground that is only seen by the shadows on it, against the ray tracer's.
 
 use crate::common::*;
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use gnomon_lights::FitOptions;
 use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, render_with_alpha};
 use gnomon_renderer::{Background, RenderSettings, Renderer};
-use gnomon_scene::{Camera, Ground, Material, builtin};
+use gnomon_scene::{AreaLight, AreaLightShape, Camera, Ground, Material, Node, NodeId, builtin};
 use gnomon_testing::tolerances;
 
 const SIZE: [u32; 2] = [96, 72];
@@ -61,6 +61,17 @@ fn is_as_ray_traced(ground: Ground) {
         _ => builtin::without_ground("three-boxes").unwrap(),
     };
     scene.add_ground(ground);
+    if ground == Ground::Fade {
+        // Its light ends with the ground.
+        let direction = Affine3A::from_rotation_x(-0.9);
+        scene.nodes.push(Node { parent_from_node: direction, ..Node::default() });
+        scene.lights.push(AreaLight {
+            node: NodeId(scene.nodes.len() - 1),
+            shape: AreaLightShape::Sun { angular_radius: 0.1 },
+            radiance: Vec3::new(9.0, 12.0, 18.0),
+            spread: Default::default(),
+        });
+    }
     let camera = &scene.cameras[0];
     let map = gnomon_envmap::builtin::sized("sky", 256, 128).unwrap();
     let options =
