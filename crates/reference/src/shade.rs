@@ -100,7 +100,11 @@ impl Tracer<'_> {
         let Some(hit) = self.scene.closest_caster(&ray, chance) else {
             return Vec3::ZERO;
         };
-        let seen = self.scene.hit_point(&hit, -wi);
+        let mut seen = self.scene.hit_point(&hit, -wi);
+        if seen.shines {
+            // The lobe reflects its lights.
+            seen.emissive = Vec3::ZERO;
+        }
         reflectance * self.direct(&seen, -wi, beyond, 1.0)
     }
 

@@ -82,6 +82,8 @@ pub(crate) struct HitPoint<'a> {
     pub(crate) surface: Surface,
     tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
+    /// Whether lights of the scene stand for its emission.
+    pub(crate) shines: bool,
     /// Shows what is behind the scene; its surface then is matte.
     pub(crate) catches: bool,
     /// As the ground that fades: where, and the matte colour of its own.
@@ -239,6 +241,7 @@ impl<'a> TracedScene<'a> {
             surface: if instance.catches { Surface::default() } else { point.surface },
             tables: instance.tables.as_deref().filter(|_| !instance.catches),
             emissive: point.emissive,
+            shines: self.scene.material(instance.mesh).shines,
             catches: instance.catches,
             fades: self
                 .ground

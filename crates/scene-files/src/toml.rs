@@ -86,6 +86,8 @@ struct SceneFile {
     _bump_scale: Option<IgnoredAny>,
     #[serde(rename = "ground_camera_height")]
     _ground_camera_height: Option<IgnoredAny>,
+    #[serde(rename = "emission")]
+    _emission: Option<IgnoredAny>,
     #[serde(rename = "lamp_strength")]
     _lamp_strength: Option<IgnoredAny>,
     #[serde(rename = "paper")]

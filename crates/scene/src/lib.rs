@@ -9,6 +9,7 @@ pub mod builtin;
 mod camera;
 mod camera_settings;
 pub mod edges;
+mod emission;
 mod error;
 mod framing;
 mod ground;
@@ -30,6 +31,7 @@ mod triangle;
 
 pub use animation::{AnimatedNode, Animation, Channel, Interpolation, Keys};
 pub use camera::{Camera, Film, Projection, rigid};
+pub use emission::Emission;
 pub use error::SceneError;
 pub use framing::{CAMERA_HEIGHT, Ground, SUNKEN, camera_around, default_camera};
 pub use ground::{GroundFade, PlacedFade, ground_direction, ground_share};

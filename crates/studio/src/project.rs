@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{Given, Options};
 use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
-use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
+use gnomon_scene::{Emission, Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
     Axes, ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
 };
@@ -99,6 +99,7 @@ struct Sections {
     bump_scale: Option<f32>,
     ground_camera_height: Option<f32>,
     lamp_strength: Option<f32>,
+    emission: Option<Emission>,
     paper: Paper,
     #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
@@ -217,6 +218,7 @@ impl Sections {
             bump_scale: self.bump_scale.unwrap_or(look.bump_scale),
             ground_camera_height: self.ground_camera_height.unwrap_or(look.ground_camera_height),
             lamp_strength: self.lamp_strength.unwrap_or(look.lamp_strength),
+            emission: self.emission.unwrap_or(look.emission),
             ..look
         }
     }

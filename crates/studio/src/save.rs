@@ -52,8 +52,9 @@ struct SurfaceTable<'a> {
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
-const REPLACED: [&str; 14] = [
+const REPLACED: [&str; 15] = [
     "bump_scale",
+    "emission",
     "ground",
     "ground_camera_height",
     "lamp_strength",

@@ -6,7 +6,7 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_options::Options;
 use gnomon_renderer::Reflections;
-use gnomon_scene::{Bounds, Camera, Scene, camera_around};
+use gnomon_scene::{Bounds, Camera, Emission, Scene, camera_around};
 
 use crate::environment::{FitScene, Surroundings, surroundings_of};
 use crate::look::{AnimationLook, CameraLook};
@@ -106,6 +106,10 @@ impl Loaded {
                 StudioError::Request(format!("there is no material {index}: the scene has {count}, from 0"))
             })?;
             settings.apply(&mut material.surface);
+        }
+        // Last: it adds materials, and looks know those before by their numbers.
+        if look.scene.emission == Emission::Lights {
+            scene.light_emission();
         }
         Ok(scene)
     }

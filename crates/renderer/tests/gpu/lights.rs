@@ -11,7 +11,8 @@ use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, composite, shadow};
 use gnomon_scene::{
-    AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, Spread, builtin,
+    AreaLight, AreaLightShape, Camera, Material, MaterialId, Mesh, Node, NodeId, Projection, Scene, Spread,
+    builtin,
 };
 use gnomon_testing::tolerances;
 
@@ -255,6 +256,56 @@ fn lamps_over_three_boxes_match_ray_tracing() {
         // A planted fault: no shadows at all.
         assert!(none > 2.0 * tolerances::LAMP_RELATIVE_RMSE, "{name}: {none}");
     }
+}
+
+/// A panel that glows over the boxes, in front of a metal floor: its light, its shadows and its reflection, and the panel itself.
+#[test]
+fn a_glowing_panel_lights_as_ray_traced() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut scene = builtin::by_name("three-boxes").unwrap();
+    let glow = Material { emissive: Vec3::new(6.0, 4.0, 2.0), ..lambert(0.2) };
+    scene.materials.push(glow);
+    let panel = Mesh {
+        material: Some(MaterialId(scene.materials.len() - 1)),
+        ..horizontal(Vec2::new(-0.5, -0.3), Vec2::new(0.5, 0.3), 0.0)
+    };
+    let node = scene.push_mesh("panel", panel);
+    // Its front, which looks up, is turned towards the boxes.
+    let place = facing(Vec3::new(-1.3, 1.5, 0.9), Vec3::new(0.0, 0.3, 0.0));
+    scene.nodes[node.0].parent_from_node = place * Affine3A::from_rotation_x(-0.5 * PI);
+    let seen_alone = scene.clone();
+    scene.light_emission();
+    assert_eq!(scene.placed_lights().len(), 1);
+    let towards = (Vec3::new(0.0, 0.3, 0.0) - Vec3::new(-1.3, 1.5, 0.9)).normalize();
+    assert!(scene.placed_lights()[0].normal.dot(towards) > 0.999, "{:?}", scene.placed_lights());
+    let camera = &scene.cameras[0];
+    let options = ReferenceOptions { width: 120, height: 90, samples_per_pixel: 1024, ..Default::default() };
+    let truth = gnomon_reference::render(&scene, camera, &no_light(), &options).unwrap().mean;
+    let error = |shadows: &str, scene: &Scene| {
+        let settings = settings(shadows).with(|s| s.techniques.supersample = 2);
+        let seen = render(&gpu, settings, scene, &no_light(), &dark_set(), camera, [120, 90]).radiance;
+        if let Some(folder) = std::env::var_os("GNOMON_PICTURES") {
+            let folder = std::path::Path::new(&folder);
+            gnomon_picture::write(folder.join("panel_truth.exr"), &truth).unwrap();
+            gnomon_picture::write(folder.join("panel_seen.exr"), &seen).unwrap();
+        }
+        // The panel's own edges are not what this is about.
+        let [seen, truth] =
+            [&seen, &truth].map(|image| RgbImage::from_fn(92, 90, |x, y| image.get(x + 28, y)));
+        compare(&seen, &truth, None).unwrap().relative_rmse
+    };
+    let dark = error("rays", &seen_alone);
+    println!("panel: without its light {dark:.4}");
+    for (shadows, _) in shadow::names() {
+        let lit = error(shadows, &scene);
+        println!("panel {shadows}: {lit:.4}");
+        if ["rays", "wedges"].contains(&shadows) {
+            assert!(lit <= tolerances::LAMP_RELATIVE_RMSE, "{shadows}: {lit}");
+        }
+        // None takes the panel for what blocks its own light, so near to what it lights as it is.
+        assert!(lit < 0.4 * dark, "{shadows}: {lit}");
+    }
+    assert!(dark > 2.0 * tolerances::LAMP_RELATIVE_RMSE, "{dark}");
 }
 
 /// The lamp's light comes on top of the environment's, whatever the compositing rule.
