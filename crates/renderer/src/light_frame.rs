@@ -207,6 +207,8 @@ pub(crate) fn light_uniform(
         number: 0,
         group: 0,
         front: Vec3::ZERO,
+        profile_end: 0.0,
+        profile: [Vec4::ZERO; 6],
         cone: Spread::Even.cone(),
     }
 }

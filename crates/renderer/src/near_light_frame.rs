@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use gnomon_scene::{AreaLightShape, PlacedLight, Spread};
 use gnomon_shaders::layout;
 
@@ -50,6 +50,7 @@ pub(crate) fn near_light_uniform(
         }
         AreaLightShape::Rectangle { .. } => (layout::KIND_FLAT, layout::SHAPE_RECTANGLE, light.shape.area()),
     };
+    let (profile_end, values) = light.spread.profile();
     let (across, along) = (tangent * half_extent.x, bitangent * half_extent.y);
     let corners = [-across - along, along - across, across + along, across - along];
     layout::Light {
@@ -78,6 +79,8 @@ pub(crate) fn near_light_uniform(
         number: 0,
         group: 0,
         front: light.normal,
+        profile_end,
+        profile: std::array::from_fn(|i| Vec4::from_slice(&values[4 * i..])),
         cone: light.spread.cone(),
     }
 }

@@ -15,6 +15,7 @@ mod error;
 mod geometry;
 mod gltf;
 mod heights;
+mod ies;
 mod mtl;
 mod obj;
 mod ply;

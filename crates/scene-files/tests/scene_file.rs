@@ -96,6 +96,30 @@ fn lights_are_placed_and_ride_on_models() {
 }
 
 #[test]
+fn a_spot_has_the_profile_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let with = |profile: &str, more: &str| {
+        std::fs::write(folder.path().join("lamp.ies"), profile).unwrap();
+        let text = format!(
+            "[[light]]\nshape = \"spot\"\nradius = 0.1\ntarget = [0, -1, 0]\nprofile = \"lamp.ies\"\n{more}"
+        );
+        std::fs::write(&path, text).unwrap();
+        load(&path, &LoadOptions::default())
+    };
+    let file = "IESNA91\nTILT=NONE\n1 -1 1.5 3 1 1 2 0 0 0\n1 1 10\n0 45 90\n0\n200 100 0\n";
+    let light = with(file, "").unwrap().scene.placed_lights()[0];
+    assert!((light.radiance * PI * 0.01).abs_diff_eq(Vec3::splat(300.0), 1e-3), "{}", light.radiance);
+    let below = light.share_towards(light.center + Vec3::new(1.0, -1.0, 0.0));
+    assert!((below - 0.5).abs() < 1e-3 && light.share_towards(light.center + Vec3::Y) == 0.0, "{below}");
+    let dimmed = with(file, "intensity = [3, 2, 1]\n").unwrap().scene.placed_lights()[0];
+    assert!((dimmed.radiance * PI * 0.01).abs_diff_eq(Vec3::new(3.0, 2.0, 1.0), 1e-4));
+    let error = with("IESNA91\nTILT=NONE\n1 -1 x\n", "").unwrap_err().to_string();
+    assert!(error.contains("'lamp.ies' cannot be used: the candela multiplier is no number"), "{error}");
+    assert!(with(file, "cone = [1, 2]\n").unwrap_err().to_string().contains("either 'cone' or 'profile'"));
+}
+
+#[test]
 fn spots_and_suns_have_their_own_keys() {
     let scene = attempt(
         "[[light]]\nshape = \"spot\"\nradius = 0.1\ncone = [10, 30]\ntarget = [0, -1, 0]\nintensity = [1, 2, 3]\n\

@@ -75,17 +75,68 @@ pub enum Spread {
         /// Up to a quarter turn.
         outer: f32,
     },
+    /// By the angle with its front.
+    Profile(Profile),
+}
+
+/// Values of a [`Profile`]: what fits into a light's uniform.
+pub const PROFILE_VALUES: usize = 24;
+
+/// Shares of a light's radiance by the angle with its front, evenly spread from 0; beyond the last there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    /// Angle of the last one, above 0 [rad].
+    last: f32,
+    values: [f32; PROFILE_VALUES],
+}
+
+impl Profile {
+    /// By the share at each angle [rad] up to `last`; `None` unless that is an angle above 0 and up to half a turn.
+    pub fn new(last: f32, share: impl Fn(f32) -> f32) -> Option<Self> {
+        let step = last / (PROFILE_VALUES - 1) as f32;
+        let values = std::array::from_fn(|i| share(i as f32 * step));
+        (last > 0.0 && last <= PI + 1e-3).then_some(Self { last, values })
+    }
+
+    /// Share in a direction of this cosine with the front.
+    pub fn share(&self, cosine: f32) -> f32 {
+        let place = cosine.clamp(-1.0, 1.0).acos() / self.last * (PROFILE_VALUES - 1) as f32;
+        if place > (PROFILE_VALUES - 1) as f32 + 1e-3 {
+            return 0.0;
+        }
+        let first = (place as usize).min(PROFILE_VALUES - 2);
+        let between = place - first as f32;
+        self.values[first] + between * (self.values[first + 1] - self.values[first])
+    }
 }
 
 impl Spread {
     /// Factor and summand of the cosine in [`cone_share`].
     pub fn cone(&self) -> Vec2 {
         match *self {
-            Self::Even => Vec2::new(0.0, 1.0),
+            Self::Even | Self::Profile(_) => Vec2::new(0.0, 1.0),
             Self::Cone { inner, outer } => {
                 let scale = 1.0 / (inner.cos() - outer.cos()).max(0.001);
                 Vec2::new(scale, -outer.cos() * scale)
             }
+        }
+    }
+}
+
+impl Spread {
+    /// The last angle of a profile, 0 without one [rad], and its values.
+    pub fn profile(&self) -> (f32, [f32; PROFILE_VALUES]) {
+        match self {
+            Self::Profile(profile) => (profile.last, profile.values),
+            _ => (0.0, [0.0; PROFILE_VALUES]),
+        }
+    }
+
+    /// Share of its radiance that a light has in a direction of this cosine with its front.
+    pub fn share(&self, cosine: f32) -> f32 {
+        match self {
+            Self::Profile(profile) => profile.share(cosine),
+            _ => cone_share(cosine, self.cone()),
         }
     }
 }
@@ -156,7 +207,7 @@ impl PlacedLight {
 
     /// Share of its radiance that it has towards a place: that of the direction from its centre, for all of it.
     pub fn share_towards(&self, position: Vec3) -> f32 {
-        cone_share((position - self.center).normalize_or_zero().dot(self.normal), self.spread.cone())
+        self.spread.share((position - self.center).normalize_or_zero().dot(self.normal))
     }
 
     /// Corners of a rectangle, or of the square around another outline, counter-clockwise seen from the front [m].

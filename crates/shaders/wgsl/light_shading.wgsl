@@ -59,7 +59,24 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
 fn light_radiance(light: u32, position_world: vec3f) -> vec3f {
     let from_center = position_world - lights[light].position;
     let cosine = dot(from_center, lights[light].front) * inverseSqrt(max(dot(from_center, from_center), 1e-30));
-    return lights[light].radiance * cone_share(cosine, lights[light].cone);
+    return lights[light].radiance * cone_share(cosine, lights[light].cone) * profile_share(light, cosine);
+}
+
+fn profile_value(light: u32, place: u32) -> f32 {
+    return lights[light].profile[place / 4u][place % 4u];
+}
+
+// Share of its radiance that a light has by its profile in a direction of this cosine with its front.
+fn profile_share(light: u32, cosine: f32) -> f32 {
+    if lights[light].profile_end <= 0.0 {
+        return 1.0;
+    }
+    let place = acos(clamp(cosine, -1.0, 1.0)) / lights[light].profile_end * f32(PROFILE_VALUES - 1u);
+    if place > f32(PROFILE_VALUES - 1u) + 1e-3 {
+        return 0.0;
+    }
+    let first = min(u32(place), PROFILE_VALUES - 2u);
+    return mix(profile_value(light, first), profile_value(light, first + 1u), place - f32(first));
 }
 
 // A light as a surface sees it; the sides of a distant one keep its solid angle.

@@ -11,8 +11,8 @@ use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, composite, shadow};
 use gnomon_scene::{
-    AreaLight, AreaLightShape, Camera, Material, MaterialId, Mesh, Node, NodeId, Projection, Scene, Spread,
-    builtin,
+    AreaLight, AreaLightShape, Camera, Material, MaterialId, Mesh, Node, NodeId, Profile, Projection, Scene,
+    Spread, builtin,
 };
 use gnomon_testing::tolerances;
 
@@ -143,6 +143,32 @@ fn spots_fall_off_as_khr_lights_punctual_has_it() {
             println!("{shadows} {angle}: off by {error}");
             assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{shadows} {angle}: {seen} {expected}");
         }
+    }
+}
+
+/// A profile that falls from the front to 80 degrees as the square of what is left.
+#[test]
+fn profiles_give_each_angle_its_intensity() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (radius, height, last) = (0.01_f32, 2.0_f32, 80_f32.to_radians());
+    let profile = Profile::new(last, |angle| (1.0 - angle / last).powi(2)).unwrap();
+    let floor = horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0);
+    let mut renderer = unlit_renderer(&gpu, "none");
+    for angle in [0.0_f32, 0.21, 0.5, 0.9, 1.3, 1.5] {
+        let mut scene = scene_of(vec![floor.clone()], lambert(1.0));
+        let turned = Affine3A::from_translation(Vec3::Y * height) * Affine3A::from_rotation_z(angle);
+        add_light(&mut scene, AreaLightShape::Sphere { radius }, turned * facing_down(Vec3::ZERO));
+        scene.lights[0].spread = Spread::Profile(profile);
+        renderer.set_scene(&scene).unwrap();
+        let seen = renderer.render(&downward(0.1, 1e-3), 3, 3).unwrap().radiance.get(1, 1);
+        let whole = RADIANCE * radius * radius / (height * height);
+        let share = (1.0 - angle / last).max(0.0).powi(2);
+        let error = (seen / whole - share).abs().max_element();
+        println!("{angle}: {} of {share}", seen.x / whole.x);
+        // A parabola between 24 places is off by a quarter of the square of half a step.
+        assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{angle}: {} {share}", seen / whole);
+        // The same on the CPU.
+        assert!((profile.share(angle.cos()) - seen.x / whole.x).abs() < 1e-3);
     }
 }
 

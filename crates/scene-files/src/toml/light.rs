@@ -7,6 +7,8 @@ use gnomon_messages::quoted;
 use gnomon_scene::{AreaLight, AreaLightShape, Node, NodeId, Scene, Spread};
 use serde::Deserialize;
 
+use crate::ies::IesFile;
+
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Shape {
@@ -41,6 +43,8 @@ pub struct LightEntry {
     size: Option<Size>,
     /// Of a spot: between the axis and the rims of what is lit as much as the axis, and of what is lit at all [degrees].
     cone: Option<[f32; 2]>,
+    /// Of a spot, in place of the cone: an LM-63 file.
+    profile: Option<String>,
     /// Of a sun: its angular diameter [degrees].
     angle: Option<f32>,
     radiance: Option<[f32; 3]>,
@@ -63,10 +67,11 @@ const SUN_ANGLE: f32 = 0.53;
 
 impl LightEntry {
     /// Adds the light and a node that places it, which it returns with its translation, or says what is wrong.
-    pub fn add_to(&self, scene: &mut Scene) -> Result<(NodeId, DVec3), String> {
+    /// `profile` is what the file of [`LightEntry::profile_file`] says.
+    pub fn add_to(&self, scene: &mut Scene, profile: Option<&IesFile>) -> Result<(NodeId, DVec3), String> {
         let shape = self.outline()?;
-        let spread = self.spread()?;
-        let radiance = self.radiance(&shape)?;
+        let spread = self.spread(profile)?;
+        let radiance = self.radiance(&shape, profile)?;
         let parent = self.node.as_deref().map(|name| node_called(scene, name)).transpose()?;
         let position = DVec3::from_array(self.position);
         if !position.as_vec3().is_finite() {
@@ -121,7 +126,19 @@ impl LightEntry {
         }
     }
 
-    fn spread(&self) -> Result<Spread, String> {
+    /// The photometric file that it names.
+    pub fn profile_file(&self) -> Option<&str> {
+        self.profile.as_deref()
+    }
+
+    fn spread(&self, profile: Option<&IesFile>) -> Result<Spread, String> {
+        if let Some(file) = profile {
+            return match (self.shape, self.cone) {
+                (Shape::Spot, None) => Ok(Spread::Profile(file.profile)),
+                (Shape::Spot, Some(_)) => Err("a spot has either 'cone' or 'profile'".to_owned()),
+                _ => Err("only a spot has a 'profile'".to_owned()),
+            };
+        }
         match (self.shape, self.cone) {
             (Shape::Spot, Some([inner, outer])) if 0.0 <= inner && inner < outer && outer <= 90.0 => {
                 Ok(Spread::Cone { inner: inner.to_radians(), outer: outer.to_radians() })
@@ -129,13 +146,13 @@ impl LightEntry {
             (Shape::Spot, Some(_)) => {
                 Err("cone must be two angles from 0 to 90 degrees, the first smaller".to_owned())
             }
-            (Shape::Spot, None) => Err("a spot needs a 'cone'".to_owned()),
+            (Shape::Spot, None) => Err("a spot needs a 'cone' or a 'profile'".to_owned()),
             (_, Some(_)) => Err("only a spot has a 'cone'".to_owned()),
             (_, None) => Ok(Spread::Even),
         }
     }
 
-    fn radiance(&self, shape: &AreaLightShape) -> Result<Vec3, String> {
+    fn radiance(&self, shape: &AreaLightShape, profile: Option<&IesFile>) -> Result<Vec3, String> {
         let divided = |given: [f32; 3], by: f32| Vec3::from_array(given) / by;
         let (what, given, radiance) = match (self.radiance, self.power, self.intensity, self.irradiance) {
             (Some(radiance), None, None, None) => ("radiance", radiance, Vec3::from_array(radiance)),
@@ -147,6 +164,10 @@ impl LightEntry {
             }
             (None, None, None, Some(irradiance)) if matches!(self.shape, Shape::Sun) => {
                 ("irradiance", irradiance, divided(irradiance, shape.facing_irradiance()))
+            }
+            (None, None, None, None) if profile.is_some() => {
+                let intensity = [profile.map_or(0.0, |file| file.most); 3];
+                ("intensity", intensity, divided(intensity, shape.facing_irradiance()))
             }
             _ => {
                 return Err(match self.shape {

@@ -59,6 +59,8 @@ super::constants! {
     pub const ROLE_PROBE: u32 = 1;
     /// [`Light::role`] of a distant light of the scene's own: it is no part of the environment's light.
     pub const ROLE_SUN: u32 = 2;
+    /// Values of [`Light::profile`].
+    pub const PROFILE_VALUES: u32 = 24;
     /// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
     pub const MAX_BATCH_LIGHTS: u32 = 160;
     /// [`Batch::flags`]: nothing has been summed before.
@@ -220,6 +222,10 @@ super::structs! {
         pub number: u32,
         /// Of a light in the scene, unit: the middle of what it sends its light to.
         pub front: Vec3,
+        /// The last angle of its profile; 0 where it has none [rad].
+        pub profile_end: f32,
+        /// Shares of its radiance by the angle with its front, four a vector, see `profile_share`.
+        pub profile: [Vec4; 6],
         /// What of its radiance it has in a direction: factor and summand of the cosine in `cone_share`.
         pub cone: Vec2,
     }
