@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec3};
-use gnomon_scene::{AreaLightShape, PlacedLight};
+use gnomon_scene::{AreaLightShape, FLAT_CLEARANCE, PlacedLight};
 
 use crate::environment::IMPORTANCE;
 use crate::spherical_rectangle::SphericalRectangle;
@@ -74,7 +74,7 @@ impl NearLight {
                 let one_minus_cos = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
                 (Sampling::Cone { axis: to_center / distance, one_minus_cos }, TAU * one_minus_cos, half.x)
             }
-            _ if height <= 0.0 => return None,
+            _ if height <= f64::from(FLAT_CLEARANCE) * half.min_element() => return None,
             AreaLightShape::Rectangle { .. } => {
                 let rectangle = self.rectangle(origin);
                 let solid_angle = rectangle.solid_angle();

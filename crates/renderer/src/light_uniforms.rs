@@ -98,6 +98,12 @@ impl FrameLight<'_> {
                         if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
                     (settings.shadow_sizing.resolution(footprint(&sun), 1.0, [usual, most]), true)
                 }
+                // The texels of a map show where nothing blurs them.
+                None if light.shape.half_extent().max_element() <= SMALL_LAMP => {
+                    let most =
+                        if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
+                    (most.min(SMALL_LAMP_TEXELS * usual), true)
+                }
                 None => (usual, true),
             },
         };
@@ -116,6 +122,10 @@ pub(crate) fn distant(light: &PlacedLight) -> Option<DistantLight> {
         _ => None,
     }
 }
+
+/// A lamp so small [m], such as those of glTF files that give no extent, has maps so many times as wide as others.
+const SMALL_LAMP: f32 = 0.05;
+const SMALL_LAMP_TEXELS: u32 = 4;
 
 /// Lights fitted around the scene as it stands.
 #[derive(Default)]

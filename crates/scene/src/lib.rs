@@ -36,7 +36,9 @@ pub use error::SceneError;
 pub use framing::{CAMERA_HEIGHT, Ground, SUNKEN, camera_around, default_camera};
 pub use ground::{GroundFade, PlacedFade, ground_direction, ground_share};
 pub use height::{Gradients, Height, HeightMap, HeightMapId, bent_by_heights};
-pub use light::{AreaLight, AreaLightShape, PROFILE_VALUES, PlacedLight, Profile, Spread, cone_share};
+pub use light::{
+    AreaLight, AreaLightShape, FLAT_CLEARANCE, PROFILE_VALUES, PlacedLight, Profile, Spread, cone_share,
+};
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
 pub use orbit::Orbit;
 pub use origin::origin_around;

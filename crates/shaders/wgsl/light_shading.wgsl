@@ -36,7 +36,8 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
         }
         return disk_form_factor(n, to_light / distance, asin(half_extent.x / distance));
     }
-    if dot(to_light, lights[light].direction) <= 0.0 {
+    // Emitting surfaces have their light a little before them, and are not lit by it.
+    if dot(to_light, lights[light].direction) <= FLAT_CLEARANCE * min(half_extent.x, half_extent.y) {
         return 0.0;
     }
     let a = half_extent.x * lights[light].tangent;
