@@ -38,7 +38,7 @@ const DISK_SHARES: std::ops::RangeInclusive<f32> = 0.70..=0.80;
 const ROUND: f32 = 0.05;
 
 /// Distance of a light before its surface, as a share of its smaller side: the surface lies behind it whatever is rounded.
-const BEFORE: f32 = 1e-3;
+const BEFORE: f32 = 1e-4;
 
 /// Samples of a triangle's emission along each of its sides.
 const SAMPLES: usize = 4;

@@ -81,7 +81,7 @@ pub enum Spread {
 
 /// A flat light gives nothing to what is nearer to its plane than this share of its smaller half side: surfaces that emit have their light a
 /// little before them.
-pub const FLAT_CLEARANCE: f32 = 3e-3;
+pub const FLAT_CLEARANCE: f32 = 3e-4;
 
 /// Values of a [`Profile`]: what fits into a light's uniform.
 pub const PROFILE_VALUES: usize = 24;

@@ -60,7 +60,7 @@ super::constants! {
     /// [`Light::role`] of a distant light of the scene's own: it is no part of the environment's light.
     pub const ROLE_SUN: u32 = 2;
     /// A flat light gives nothing to what is nearer to its plane than this share of its smaller half side: `gnomon_scene::FLAT_CLEARANCE`.
-    pub const FLAT_CLEARANCE: f32 = 3e-3;
+    pub const FLAT_CLEARANCE: f32 = 3e-4;
     /// Values of [`Light::profile`].
     pub const PROFILE_VALUES: u32 = 24;
     /// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
