@@ -150,7 +150,7 @@ class Scene:
         up: Literal["y", "z"] = ...,
         unit: float | str = ...,
         variant: str | None = None,
-        ground: Literal["none", "plane"] = ...,
+        ground: Literal["none", "plane", "catcher", "fade", "projected"] = ...,
         clip: str | None = None,
         time: float = 0.0,
         size: Size = ...,

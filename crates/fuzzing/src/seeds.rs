@@ -108,6 +108,9 @@ fn made(extensions: &[&str]) -> Vec<Vec<u8>> {
         "ply" => Some(b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_vec()),
         "gltf" => Some(br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":"a.bin"}]}"#.to_vec()),
         "toml" => Some(b"[environment]\nbuiltin = \"sky\"\n\n[[model]]\nfile = \"a.obj\"\n\n[camera]\neye = [0, 1, 3]\ntarget = [0, 0, 0]\nfov = 50\n\n[[light]]\nshape = \"disk\"\n".to_vec()),
+        "ies" => Some(
+            b"IESNA:LM-63-2002\nTILT=NONE\n1 1000 2 4 2 1 2 0.1 0.1 0\n1 1 10\n0 30 60 90\n0 180\n50 32 6 0\n50 33 6.5 0\n".to_vec(),
+        ),
         "bsdf" => Some(small_bsdf()),
         "tables" => Some(br#"{"gnomon_tables":1,"terms":[{"tint":"color","factors":[{"coordinates":"half","scale":0.1,"columns":2,"values":[1,1,1,0,0,0]}]}]}"#.to_vec()),
         _ => None,

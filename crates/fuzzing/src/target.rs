@@ -21,7 +21,7 @@ impl Target {
     }
 }
 
-/// Every picture and scene format under its usual extension, `map` for pictures as environments, `mtl` for the materials of an OBJ, measured
+/// Every picture and scene format under its usual extension, `map` for pictures as environments, `mtl` for the materials of an OBJ, `ies` for lamps, measured
 /// reflectances and `tables` that are made of them.
 pub fn targets() -> Vec<Target> {
     let pictures =
@@ -34,6 +34,7 @@ pub fn targets() -> Vec<Target> {
         .collect();
     targets.push(Target { name: "map", extensions: &["exr", "hdr", "png", "jpg"], read: map });
     targets.push(Target { name: "mtl", extensions: &["mtl"], read: materials });
+    targets.push(Target { name: "ies", extensions: &["ies"], read: lamp });
     targets.push(Target { name: "bsdf", extensions: &["bsdf"], read: measurement });
     targets.push(Target { name: "binary", extensions: &["binary"], read: measurement });
     targets.push(Target { name: "tables", extensions: &["tables"], read: tables });
@@ -85,6 +86,12 @@ fn materials(_name: &'static str, bytes: &[u8]) {
     read_scene(Path::new("fuzzed.obj"), MODEL, bytes);
 }
 
+fn lamp(_name: &'static str, bytes: &[u8]) {
+    const LAMP: &[u8] =
+        b"[[light]]\nshape = 'spot'\nradius = 1\ntarget = [0, -1, 0]\nprofile = 'fuzzed.ies'\n";
+    read_scene(Path::new("lamp.toml"), LAMP, bytes);
+}
+
 fn measurement(name: &'static str, bytes: &[u8]) {
     if let Ok(measurement) = gnomon_measured::Measurement::parse(name, bytes) {
         let value = measurement.value(glam::Vec3::new(0.6, 0.0, 0.8), glam::Vec3::new(0.0, -0.28, 0.96));
@@ -116,7 +123,7 @@ impl Resolver for Siblings<'_> {
     fn read(&self, path: &Path, most: usize) -> Result<Vec<u8>, ReadError> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase()).unwrap_or_default();
         let bytes = match extension.to_str() {
-            Some("mtl") => self.0.to_vec(),
+            Some("mtl" | "ies") => self.0.to_vec(),
             Some("png" | "jpg" | "jpeg") => crate::seeds::small_png(),
             Some("obj") => b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(),
             // A scene that places itself would not end.

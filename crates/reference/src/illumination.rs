@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3, Vec3};
 use gnomon_lights::{DistantLight, LightShape};
-use gnomon_scene::PlacedLight;
+use gnomon_scene::{AreaLightShape, PlacedLight};
 
 use crate::environment::{Aim, EnvironmentSampler, IMPORTANCE, choose_weighted};
 use crate::near_light::{NearLight, Seen};
@@ -9,6 +9,8 @@ use crate::near_light::{NearLight, Seen};
 pub(crate) struct Illumination<'a> {
     map: Option<EnvironmentSampler<'a>>,
     lights: Vec<AreaLight>,
+    /// How many of the lights are not the scene's own suns, which come last.
+    of_environment: usize,
     near: Vec<NearLight>,
 }
 
@@ -19,25 +21,38 @@ pub(crate) struct Aimed<'l, 'a> {
     n: Vec3,
     map: Option<(&'l EnvironmentSampler<'a>, Aim)>,
     near: Vec<Seen<'l>>,
+    /// Factor of the scene's own lights.
+    own: f32,
     /// Sum of the weights of map and lights.
     total: f64,
 }
 
 impl<'a> Illumination<'a> {
     pub(crate) fn new(map: Option<EnvironmentSampler<'a>>, lights: &[DistantLight]) -> Self {
-        Self { map, lights: lights.iter().filter_map(AreaLight::new).collect(), near: Vec::new() }
+        let lights: Vec<_> = lights.iter().filter_map(AreaLight::new).collect();
+        Self { map, of_environment: lights.len(), lights, near: Vec::new() }
     }
 
     /// The same and lights in the scene.
-    pub(crate) fn with_near(self, lights: &[PlacedLight]) -> Self {
-        Self { near: lights.iter().map(NearLight::new).collect(), ..self }
+    pub(crate) fn with_near(mut self, lights: &[PlacedLight]) -> Self {
+        for light in lights {
+            match light.shape {
+                AreaLightShape::Sun { angular_radius } => {
+                    let sun =
+                        DistantLight::around(-light.normal, light.tangent, angular_radius, light.radiance);
+                    self.lights.extend(AreaLight::new(&sun));
+                }
+                _ => self.near.push(NearLight::new(light)),
+            }
+        }
+        self
     }
 
-    /// Unshadowed irradiance of what is infinitely far away on a surface with the unit normal `n`.
+    /// Unshadowed irradiance of the environment on a surface with the unit normal `n`.
     pub(crate) fn irradiance(&self, n: Vec3) -> DVec3 {
         let map = self.map.as_ref().map_or(DVec3::ZERO, |sampler| sampler.map().irradiance(n));
         let light = |light: &AreaLight| (light.radiance * light.source.irradiance(n)).as_dvec3();
-        map + self.lights.iter().map(light).sum::<DVec3>()
+        map + self.lights[..self.of_environment].iter().map(light).sum::<DVec3>()
     }
 
     /// For a surface at `point` [m] with the unit normal `n`.
@@ -48,11 +63,16 @@ impl<'a> Illumination<'a> {
         let total = map.as_ref().map_or(0.0, |(_, aim)| aim.total)
             + lights
             + near.iter().map(|seen| seen.weight).sum::<f64>();
-        Aimed { illumination: self, n, map, near, total }
+        Aimed { illumination: self, n, map, near, own: 1.0, total }
     }
 }
 
 impl Aimed<'_, '_> {
+    /// The same with so much of the scene's own lights.
+    pub(crate) fn with_own(self, own: f32) -> Self {
+        Self { own, ..self }
+    }
+
     /// A direction drawn by `u` and `u_choice`, each in `[0, 1)`; `None` where nothing shines on the surface.
     pub(crate) fn sample(&self, u: DVec2, u_choice: f64) -> Option<Vec3> {
         let lights = &self.illumination.lights;
@@ -84,9 +104,10 @@ impl Aimed<'_, '_> {
             distant = map.radiance(wi);
             density = aim.total * map.pdf(aim, wi, distant);
         }
-        for light in &self.illumination.lights {
+        for (place, light) in self.illumination.lights.iter().enumerate() {
             if let Some(light_pdf) = light.pdf(wi) {
-                distant += light.radiance;
+                let is_own = place >= self.illumination.of_environment;
+                distant += light.radiance * if is_own { self.own } else { 1.0 };
                 density += f64::from(light.weight(self.n)) * light_pdf;
             }
         }
@@ -97,7 +118,7 @@ impl Aimed<'_, '_> {
         for seen in &self.near {
             if let Some((distance, light_pdf)) = seen.hit(wi) {
                 density += seen.weight * light_pdf;
-                radiance += seen.light.radiance * arrives(distance as f32);
+                radiance += self.own * seen.radiance * arrives(distance as f32);
             }
         }
         (radiance, if self.total > 0.0 { density / self.total } else { 0.0 })

@@ -3,14 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec3};
-use gnomon_scene::{AreaLightShape, PlacedLight};
+use gnomon_scene::{AreaLightShape, FLAT_CLEARANCE, PlacedLight};
 
 use crate::environment::IMPORTANCE;
 use crate::spherical_rectangle::SphericalRectangle;
 
 /// A [`PlacedLight`] prepared for sampling.
 pub(crate) struct NearLight {
-    pub(crate) radiance: Vec3,
+    placed: PlacedLight,
     /// Mean of the radiance's channels.
     brightness: f64,
     shape: AreaLightShape,
@@ -22,7 +22,9 @@ pub(crate) struct NearLight {
 
 /// A light as one point sees it.
 pub(crate) struct Seen<'l> {
-    pub(crate) light: &'l NearLight,
+    light: &'l NearLight,
+    /// That it has towards the point.
+    pub(crate) radiance: Vec3,
     /// An estimate of the irradiance, positive wherever there is any: what the choice among lights goes by.
     pub(crate) weight: f64,
     origin: DVec3,
@@ -45,7 +47,7 @@ const SMALL: f64 = 1e-6;
 impl NearLight {
     pub(crate) fn new(light: &PlacedLight) -> Self {
         Self {
-            radiance: light.radiance,
+            placed: *light,
             brightness: f64::from(light.radiance.dot(IMPORTANCE)),
             shape: light.shape,
             center: light.center.into(),
@@ -57,6 +59,7 @@ impl NearLight {
 
     /// The light from `origin`, for a surface there with the unit normal `n`; `None` where none of it can arrive.
     pub(crate) fn seen_from(&self, origin: Vec3, n: Vec3) -> Option<Seen<'_>> {
+        let share = self.placed.share_towards(origin);
         let (origin, n) = (DVec3::from(origin), DVec3::from(n));
         let to_center = self.center - origin;
         let distance = to_center.length();
@@ -71,7 +74,7 @@ impl NearLight {
                 let one_minus_cos = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
                 (Sampling::Cone { axis: to_center / distance, one_minus_cos }, TAU * one_minus_cos, half.x)
             }
-            _ if height <= 0.0 => return None,
+            _ if height <= f64::from(FLAT_CLEARANCE) * half.min_element() => return None,
             AreaLightShape::Rectangle { .. } => {
                 let rectangle = self.rectangle(origin);
                 let solid_angle = rectangle.solid_angle();
@@ -83,7 +86,7 @@ impl NearLight {
                 };
                 (sampling, solid_angle.max(flat), half.length())
             }
-            AreaLightShape::Disk { .. } => {
+            AreaLightShape::Disk { .. } | AreaLightShape::Sun { .. } => {
                 let area = PI * half.x * half.x;
                 let aside = (distance * distance - height * height).max(0.0).sqrt() - half.x;
                 if height.hypot(aside.max(0.0)) > half.x {
@@ -98,8 +101,15 @@ impl NearLight {
         };
         // The cosine towards the centre plus the sine of the angle to the farthest point bounds every cosine.
         let cosine = n.dot(to_center) / distance + (reach / distance).min(1.0) + 1e-6;
-        let weight = self.brightness * solid_angle * cosine;
-        (weight > 0.0 && weight.is_finite()).then_some(Seen { light: self, weight, origin, sampling })
+        let weight = self.brightness * f64::from(share) * solid_angle * cosine;
+        let radiance = share * self.placed.radiance;
+        (weight > 0.0 && weight.is_finite()).then_some(Seen {
+            light: self,
+            radiance,
+            weight,
+            origin,
+            sampling,
+        })
     }
 
     /// A rectangle, or the square around a disk, from `origin`.
@@ -200,6 +210,7 @@ mod tests {
             tangent,
             bitangent: tangent.cross(normal),
             radiance: Vec3::ONE,
+            spread: Default::default(),
         })
     }
 

@@ -41,19 +41,17 @@ impl Tracer<'_> {
         let wo = -ray.direction;
         let point = self.scene.hit_point(&hit, wo);
         let numbers = |decisions: [Decision; 4]| decisions.map(|decision| sequence.pair(index, decision));
-        let direct = self.direct(
-            &point,
-            wo,
-            numbers([
-                Decision::Direction,
-                Decision::Choice,
-                Decision::UnshadowedDirection,
-                Decision::UnshadowedChoice,
-            ]),
-        );
+        let of_direct = numbers([
+            Decision::Direction,
+            Decision::Choice,
+            Decision::UnshadowedDirection,
+            Decision::UnshadowedChoice,
+        ]);
+        let direct = self.direct(&point, wo, of_direct, 1.0);
         let direct = direct + self.scattered(&point, sequence, index);
         if point.catches {
-            return self.behind(ray) * self.share_left(&point, direct);
+            let lit = |own: f32| self.direct(&point, wo, of_direct, own);
+            return self.caught(&point, ray, direct, lit);
         }
         if !(self.reflections && point.layers().lobe.is_present()) {
             return direct;
@@ -68,12 +66,12 @@ impl Tracer<'_> {
         direct + self.mirrored(&point, wo, (mirrored, opacity.y), beyond)
     }
 
-    /// What a surface sends towards `wo` of direct light, and of its own.
-    fn direct(&self, point: &HitPoint, wo: Vec3, [a, b, c, d]: [DVec2; 4]) -> Vec3 {
-        let shadowed = self.reflected(point, wo, &self.shadowed, true, [a, b]);
+    /// What a surface sends towards `wo` of direct light, and of its own, with a factor of the light of the scene's own lights.
+    fn direct(&self, point: &HitPoint, wo: Vec3, [a, b, c, d]: [DVec2; 4], own: f32) -> Vec3 {
+        let shadowed = self.reflected(point, wo, (&self.shadowed, own), true, [a, b]);
         let unshadowed = self.unshadowed.as_ref();
         let unshadowed =
-            unshadowed.map_or(Vec3::ZERO, |light| self.reflected(point, wo, light, false, [c, d]));
+            unshadowed.map_or(Vec3::ZERO, |light| self.reflected(point, wo, (light, own), false, [c, d]));
         let emissive = if point.catches { Vec3::ZERO } else { point.emissive };
         emissive + shadowed + unshadowed
     }
@@ -102,8 +100,26 @@ impl Tracer<'_> {
         let Some(hit) = self.scene.closest_caster(&ray, chance) else {
             return Vec3::ZERO;
         };
-        let seen = self.scene.hit_point(&hit, -wi);
-        reflectance * self.direct(&seen, -wi, beyond)
+        let mut seen = self.scene.hit_point(&hit, -wi);
+        if seen.shines {
+            // The lobe reflects its lights.
+            seen.emissive = Vec3::ZERO;
+        }
+        reflectance * self.direct(&seen, -wi, beyond, 1.0)
+    }
+
+    /// What is seen of a catcher that reflects `direct`: what is behind it by the share of light that is left there, and a share of a matte
+    /// surface of its own. What the scene's own lights add to what is behind ends with a ground that fades: `lit` is what it reflects with a
+    /// factor of their light.
+    fn caught(&self, point: &HitPoint, ray: &Ray, direct: Vec3, lit: impl Fn(f32) -> Vec3) -> Vec3 {
+        let Some((ground, color)) = point.fades else {
+            return self.behind(ray) * self.share_left(point, direct);
+        };
+        let share = ground.share(point.position);
+        let direction = ground.direction(point.position, ray.direction);
+        let behind = self.behind(&Ray { direction, ..*ray }) * self.share_left(point, lit(share));
+        let share = if ground.camera_height > 0.0 { 0.0 } else { share };
+        behind.lerp(direct * color / point.surface.base_color, share)
     }
 
     /// What the camera sees along a ray that meets nothing.
@@ -131,7 +147,7 @@ impl Tracer<'_> {
         &self,
         point: &HitPoint,
         wo: Vec3,
-        light: &Illumination,
+        (light, own): (&Illumination, f32),
         shadowed: bool,
         [direction, choice]: [DVec2; 2],
     ) -> Vec3 {
@@ -139,7 +155,7 @@ impl Tracer<'_> {
         let layers = point.layers();
         let wo_local = frame.local_from_world(wo);
         let lifted = point.lifted();
-        let light = light.aim(lifted, frame.n);
+        let light = light.aim(lifted, frame.n).with_own(own);
         let share = if layers.lobe.is_present() { GLOSSY_REFLECTION_SHARE } else { MATTE_REFLECTION_SHARE };
         let wi = if choice.x < share {
             let sample = layers.sample(wo_local, to_vec2(direction), choice.y as f32);

@@ -3,7 +3,8 @@ use std::sync::Arc;
 use glam::{Mat3, Vec2, Vec3, Vec3A};
 use gnomon_brdf::{Frame, Layers, Surface, Tables};
 use gnomon_scene::{
-    AlphaMode, Gradients, Material, MeshId, Scene, WorldVertices, bent_by_heights, mirror_sign, normal_matrix,
+    AlphaMode, Gradients, Material, MeshId, PlacedFade, Scene, WorldVertices, bent_by_heights, mirror_sign,
+    normal_matrix,
 };
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -23,6 +24,8 @@ const MAX_TRIANGLES: usize = 1 << 30;
 /// The binary BVH of `obvhs` rather than its wide one: that one ignores hits nearer than 0.1 mm and has a stack of fixed depth.
 pub(crate) struct TracedScene<'a> {
     scene: &'a Scene,
+    /// The ground that fades.
+    ground: Option<PlacedFade>,
     instances: Vec<Instance>,
     bvh: Bvh2,
     /// In the BVH's leaf order.
@@ -42,6 +45,8 @@ struct Instance {
     has_alpha: bool,
     /// Is a catcher, which blocks no light.
     catches: bool,
+    /// Fades, as a catcher that is the scene's ground.
+    fades: bool,
     /// Its vertices, where a skin or morph targets move them.
     deformed: Option<WorldVertices>,
 }
@@ -77,8 +82,12 @@ pub(crate) struct HitPoint<'a> {
     pub(crate) surface: Surface,
     tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
+    /// Whether lights of the scene stand for its emission.
+    pub(crate) shines: bool,
     /// Shows what is behind the scene; its surface then is matte.
     pub(crate) catches: bool,
+    /// As the ground that fades: where, and the matte colour of its own.
+    pub(crate) fades: Option<(PlacedFade, Vec3)>,
     /// Bumps, seen from their front, and the place of the hit in their map.
     pub(crate) relief: Option<(Relief<'a>, Vec2)>,
 }
@@ -134,11 +143,12 @@ impl<'a> TracedScene<'a> {
                 handedness,
                 has_alpha: scene.material(placed.mesh).alpha_mode != AlphaMode::Opaque,
                 catches: scene.material(placed.mesh).catches,
+                fades: scene.material(placed.mesh).fade.is_some(),
                 deformed,
             });
         }
         let (bvh, triangles) = build(triangles);
-        Ok(Self { scene, instances, bvh, triangles })
+        Ok(Self { scene, ground: scene.placed_fade(), instances, bvh, triangles })
     }
 
     /// The surface that a ray stops at: the nearest one, or one behind it where that lets rays through. Then `chance`, uniform in [0, 1),
@@ -231,7 +241,12 @@ impl<'a> TracedScene<'a> {
             surface: if instance.catches { Surface::default() } else { point.surface },
             tables: instance.tables.as_deref().filter(|_| !instance.catches),
             emissive: point.emissive,
+            shines: self.scene.material(instance.mesh).shines,
             catches: instance.catches,
+            fades: self
+                .ground
+                .filter(|_| instance.fades)
+                .map(|ground| (ground, point.surface.layers().diffuse)),
             relief: relief.filter(|_| is_front),
         }
     }

@@ -9,7 +9,7 @@ use glam::{Affine3A, DVec3, Mat3, Quat, Vec2, Vec3};
 use gnomon_brdf::Surface;
 use gnomon_lights::LightSet;
 use gnomon_reference::{Estimate, ReferenceOptions, ResidualShadows, render, render_lights};
-use gnomon_scene::{AreaLight, AreaLightShape, Camera, NodeId, Scene};
+use gnomon_scene::{AreaLight, AreaLightShape, Camera, NodeId, Scene, Spread};
 use support::{constant_environment, downward_strip, floor, lambert, node, polygon, scene};
 
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
@@ -19,7 +19,12 @@ fn add_light(scene: &mut Scene, shape: AreaLightShape, parent_from_node: Affine3
     let mut place = node(gnomon_scene::MeshId(0), parent_from_node);
     place.meshes.clear();
     scene.nodes.push(place);
-    scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: RADIANCE });
+    scene.lights.push(AreaLight {
+        node: NodeId(scene.nodes.len() - 1),
+        shape,
+        radiance: RADIANCE,
+        spread: Default::default(),
+    });
 }
 
 /// Facing down from `position`, the width along x.
@@ -98,6 +103,28 @@ fn a_sphere_has_its_closed_form_above_and_across_the_horizon() {
     let place = Affine3A::from_translation(Vec3::X);
     let expected = gamma - gamma.sin() * gamma.cos();
     assert_irradiance(&lit_floor(AreaLightShape::Sphere { radius: 0.5 }, place), expected, "half sunk");
+}
+
+#[test]
+fn a_sun_has_its_closed_form_and_is_no_part_of_the_environment() {
+    let (angular_radius, tilt) = (0.1_f32, 0.8_f32);
+    // From straight above, then turned.
+    let place = Affine3A::from_rotation_z(tilt) * facing_down(Vec3::new(3.0, 9.0, 1.0));
+    let expected = PI * angular_radius.sin().powi(2) * tilt.cos();
+    assert_irradiance(&lit_floor(AreaLightShape::Sun { angular_radius }, place), expected, "sun");
+}
+
+#[test]
+fn a_spot_has_a_quarter_of_its_intensity_half_way_between_its_cones() {
+    for (angle, share) in [(0.3_f32, 1.0_f32), (0.55_f32.acos(), 0.25)] {
+        let mut scene = scene(vec![(floor(5.0, 0.0), lambert(1.0))]);
+        let turned = Affine3A::from_translation(Vec3::Y * 2.0) * Affine3A::from_rotation_z(angle);
+        let shape = AreaLightShape::Sphere { radius: 0.02 };
+        add_light(&mut scene, shape, turned * facing_down(Vec3::ZERO));
+        scene.lights[0].spread = Spread::Cone { inner: 0.7_f32.acos(), outer: 0.4_f32.acos() };
+        let estimate = picture(&scene, &downward_strip(0.05, 1e-3), 512);
+        assert_irradiance(&estimate, share * shape.facing_irradiance() / 4.0, &format!("spot at {angle}"));
+    }
 }
 
 #[test]

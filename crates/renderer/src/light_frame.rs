@@ -1,7 +1,7 @@
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use gnomon_lights::form_factor::rectangle_vector_irradiance;
 use gnomon_lights::{DistantLight, LightShape};
-use gnomon_scene::Bounds;
+use gnomon_scene::{Bounds, Spread};
 use gnomon_shaders::layout;
 
 use crate::casters::PlacedBoxes;
@@ -206,6 +206,10 @@ pub(crate) fn light_uniform(
         vector_irradiance,
         number: 0,
         group: 0,
+        front: Vec3::ZERO,
+        profile_end: 0.0,
+        profile: [Vec4::ZERO; 6],
+        cone: Spread::Even.cone(),
     }
 }
 

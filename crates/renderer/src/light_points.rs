@@ -9,7 +9,7 @@ use gnomon_shaders::layout;
 use rayon::prelude::*;
 
 use crate::Gpu;
-use crate::light_uniforms::FrameLight;
+use crate::light_uniforms::{FrameLight, distant};
 
 /// Of one light, on the plane that its tangents span about its centre: at a distance of 1 of a distant light, in metres of one in the scene.
 /// Any 4, 8, 16 that follow a multiple of their number are spread over the whole light.
@@ -151,7 +151,10 @@ impl PointsOfLights {
             let points = match light {
                 FrameLight::Distant { points: Some(points), .. } => **points,
                 FrameLight::Distant { light, .. } => of_distant(light, &|_| 1.0),
-                FrameLight::Near(light) => of_near(light),
+                FrameLight::Near(light) => match distant(light) {
+                    Some(sun) => of_distant(&sun, &|_| 1.0),
+                    None => of_near(light),
+                },
             };
             let rays = match light.flux() {
                 // Of a light of the scene, or one that only tells how much of the sky is open, nobody knows what it is worth.

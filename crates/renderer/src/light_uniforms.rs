@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use gnomon_lights::DistantLight;
 use gnomon_picture::LUMINANCE;
-use gnomon_scene::PlacedLight;
+use gnomon_scene::{AreaLightShape, PlacedLight};
 use gnomon_shaders::layout;
 
 use crate::TechniqueSettings;
@@ -92,13 +92,40 @@ impl FrameLight<'_> {
                 let resolution = settings.shadow_sizing.resolution(footprint(light), share, [usual, most]);
                 (resolution, self.is_sharp(total_flux))
             }
-            Self::Near(_) => (usual, true),
+            Self::Near(light) => match distant(light) {
+                Some(sun) => {
+                    let most =
+                        if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
+                    (settings.shadow_sizing.resolution(footprint(&sun), 1.0, [usual, most]), true)
+                }
+                // The texels of a map show where nothing blurs them.
+                None if light.shape.half_extent().max_element() <= SMALL_LAMP => {
+                    let most =
+                        if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
+                    (most.min(SMALL_LAMP_TEXELS * usual), true)
+                }
+                None => (usual, true),
+            },
         };
         let resolution = if technique.depth_maps().is_some() { resolution } else { 1 };
         // Sharp lights are summed at the last list.
         LightNeeds { points: if is_sharp { samplings(settings).len() - 1 } else { 0 }, resolution }
     }
 }
+
+/// What one of the scene's own lights is where it is a sun.
+pub(crate) fn distant(light: &PlacedLight) -> Option<DistantLight> {
+    match light.shape {
+        AreaLightShape::Sun { angular_radius } => {
+            Some(DistantLight::around(-light.normal, light.tangent, angular_radius, light.radiance))
+        }
+        _ => None,
+    }
+}
+
+/// A lamp so small [m], such as those of glTF files that give no extent, has maps so many times as wide as others.
+const SMALL_LAMP: f32 = 0.05;
+const SMALL_LAMP_TEXELS: u32 = 4;
 
 /// Lights fitted around the scene as it stands.
 #[derive(Default)]
@@ -158,6 +185,14 @@ impl LightFitting {
         slices: &ViewSlices,
     ) -> (layout::Light, DrawnCasters) {
         let scene = &geometry.placed_boxes;
+        let sun = match light {
+            FrameLight::Near(light) => distant(light),
+            FrameLight::Distant { .. } => None,
+        };
+        let light = match &sun {
+            Some(light) => &FrameLight::Distant { light, role: layout::ROLE_SUN, slice: None, points: None },
+            None => light,
+        };
         let (mut uniform, wanted) = match *light {
             FrameLight::Distant { light, role, slice, points } => {
                 let seen = slice.map_or(Some(ViewSlice::WHOLE), |slice| slices.get(slice));
@@ -198,7 +233,7 @@ pub(crate) fn sum_scales<'a>(lights: impl Iterator<Item = &'a layout::Light>) ->
             (layout::KIND_DISTANT, layout::ROLE_LIGHT) => {
                 Vec3::new(radiance * light.solid_angle, radiance, 0.0)
             }
-            (layout::KIND_DISTANT, _) => Vec3::ZERO,
+            (layout::KIND_DISTANT, layout::ROLE_PROBE) => Vec3::ZERO,
             _ => Vec3::new(0.0, 0.0, PI * radiance),
         }
     };

@@ -1,5 +1,7 @@
-use glam::{Mat4, Vec2, Vec3};
-use gnomon_scene::{AreaLightShape, PlacedLight};
+use std::f32::consts::PI;
+
+use glam::{Mat4, Vec2, Vec3, Vec4};
+use gnomon_scene::{AreaLightShape, PlacedLight, Spread};
 use gnomon_shaders::layout;
 
 use crate::casters::{PlacedBox, PlacedBoxes};
@@ -42,12 +44,13 @@ pub(crate) fn near_light_uniform(
     .transpose();
 
     let (kind, shape, seen_area) = match light.shape {
-        AreaLightShape::Sphere { radius } => {
-            (layout::KIND_SPHERE, layout::SHAPE_DISK, std::f32::consts::PI * radius * radius)
+        AreaLightShape::Sphere { radius } => (layout::KIND_SPHERE, layout::SHAPE_DISK, PI * radius * radius),
+        AreaLightShape::Disk { .. } | AreaLightShape::Sun { .. } => {
+            (layout::KIND_FLAT, layout::SHAPE_DISK, light.shape.area())
         }
-        AreaLightShape::Disk { .. } => (layout::KIND_FLAT, layout::SHAPE_DISK, light.shape.area()),
         AreaLightShape::Rectangle { .. } => (layout::KIND_FLAT, layout::SHAPE_RECTANGLE, light.shape.area()),
     };
+    let (profile_end, values) = light.spread.profile();
     let (across, along) = (tangent * half_extent.x, bitangent * half_extent.y);
     let corners = [-across - along, along - across, across + along, across - along];
     layout::Light {
@@ -75,12 +78,16 @@ pub(crate) fn near_light_uniform(
         vector_irradiance: Vec3::ZERO,
         number: 0,
         group: 0,
+        front: light.normal,
+        profile_end,
+        profile: std::array::from_fn(|i| Vec4::from_slice(&values[4 * i..])),
+        cone: light.spread.cone(),
     }
 }
 
-/// Tangent, bitangent and axis of the map. A flat light's own; a sphere looks where most of the scene lies, or down.
+/// Tangent, bitangent and axis of the map. A flat light's and a spot's own; a sphere looks where most of the scene lies, or down.
 fn map_axes(light: &PlacedLight, scene: &PlacedBoxes) -> [Vec3; 3] {
-    if !matches!(light.shape, AreaLightShape::Sphere { .. }) {
+    if light.spread != Spread::Even || !matches!(light.shape, AreaLightShape::Sphere { .. }) {
         return [light.tangent, light.bitangent, light.normal];
     }
     let mean: Vec3 = scene.corners().map(|corner| (corner - light.center).normalize_or_zero()).sum();
@@ -115,7 +122,10 @@ impl Frustum {
         let nearest = blockers.iter().flatten().map(|corner| corner.z).fold(f32::INFINITY, f32::min);
         let near = (0.999 * nearest).clamp(floor, 0.9 * far);
 
-        let widest = Vec2::splat(MAX_TANGENT);
+        let widest = Vec2::splat(match light.spread {
+            Spread::Cone { outer, .. } if outer < 0.5 * PI => outer.tan().min(MAX_TANGENT),
+            _ => MAX_TANGENT,
+        });
         let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for place in blockers.iter().flat_map(|corners| in_front(corners, near)) {
             // Around a blocker's outline lies half a penumbra, at most that on the farthest receiver.
@@ -182,7 +192,15 @@ mod tests {
         let normal = Vec3::new(0.1, -1.0, 0.2).normalize();
         let tangent = normal.any_orthonormal_vector();
         let bitangent = tangent.cross(normal);
-        PlacedLight { shape, center, normal, tangent, bitangent, radiance: Vec3::ONE }
+        PlacedLight {
+            shape,
+            center,
+            normal,
+            tangent,
+            bitangent,
+            radiance: Vec3::ONE,
+            spread: Default::default(),
+        }
     }
 
     const SHAPES: [AreaLightShape; 3] = [

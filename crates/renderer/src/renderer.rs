@@ -2,7 +2,7 @@ use glam::Quat;
 
 use gnomon_brdf::Surface;
 use gnomon_picture::RgbImage;
-use gnomon_scene::{PlacedLight, Scene};
+use gnomon_scene::{PlacedFade, PlacedLight, Scene};
 use gnomon_shaders::layout;
 
 use crate::bumps::{MaterialHeights, Relief, ReliefPass};
@@ -62,6 +62,7 @@ pub struct Renderer {
     /// Of changes, until they are asked for.
     warnings: Vec<String>,
     near_lights: Vec<PlacedLight>,
+    ground: Option<PlacedFade>,
     /// Of every material.
     surfaces: Vec<Surface>,
     /// Of the materials that have them.
@@ -165,6 +166,7 @@ impl Renderer {
             ray_scene: None,
             warnings: Vec::new(),
             near_lights: Vec::new(),
+            ground: None,
             surfaces: Vec::new(),
             heights: Vec::new(),
             relief: None,

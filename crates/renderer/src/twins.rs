@@ -120,6 +120,22 @@ fn scalar(value: f32) -> Vec4 {
 }
 
 #[test]
+fn grounds_that_fade() {
+    let share = |u: Vec4, _| [Vec4::new(5.0 * u.x, u.y, u.y + 0.1 + u.z, 0.0), Vec4::ZERO];
+    compare("ground", "vec4f(ground_share(a.x, a.y, a.z), 0.0, 0.0, 0.0)", 1e-5, share, |[a, _]| {
+        scalar(gnomon_scene::ground_share(a.x, a.y, a.z))
+    });
+    // Places up to three metres away, seen from both sides; half of them from no height.
+    let seen = |u: Vec4, v: Vec4| {
+        [Vec4::new(6.0 * u.x - 3.0, 6.0 * u.y - 3.0, 2.0 * u.z - 1.0, u.w), unit_vector(v).extend(v.w)]
+    };
+    let body = "vec4f(ground_direction(vec3f(a.x, 0.0, a.y), b.xyz, a.z, b.w), 0.0)";
+    compare("ground", body, SHADER_TWIN, seen, |[a, b]| {
+        gnomon_scene::ground_direction(Vec3::new(a.x, 0.0, a.y), b.truncate(), a.z, b.w).extend(0.0)
+    });
+}
+
+#[test]
 fn octahedral_maps() {
     let input = |u, _| [unit_vector(u).extend(0.0), Vec4::ZERO];
     compare("math", "vec4f(octahedral_encode(a.xyz), 0.0, 0.0)", 1e-5, input, |[a, _]| {

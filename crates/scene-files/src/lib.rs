@@ -15,6 +15,7 @@ mod error;
 mod geometry;
 mod gltf;
 mod heights;
+mod ies;
 mod mtl;
 mod obj;
 mod ply;
@@ -38,7 +39,7 @@ pub struct Format {
     pub name: &'static str,
     /// File name extensions, lower case.
     pub extensions: &'static [&'static str],
-    /// The ground under a scene of this format unless the user says otherwise.
+    /// The ground under a scene of this format that brings none ([`Scene::brings_ground`]), unless the user says otherwise.
     pub default_ground: Ground,
     /// Whether its files say what their axes and unit are.
     pub has_axes: bool,
@@ -51,7 +52,7 @@ static FORMATS: [Format; 5] = [
     Format {
         name: "glTF 2.0",
         extensions: &["glb", "gltf"],
-        default_ground: Ground::None,
+        default_ground: Ground::Fade,
         has_axes: true,
         recognise: gltf::recognise,
         read: gltf::read,
@@ -59,7 +60,7 @@ static FORMATS: [Format; 5] = [
     Format {
         name: "OBJ",
         extensions: &["obj"],
-        default_ground: Ground::Plane,
+        default_ground: Ground::Fade,
         has_axes: false,
         recognise: |_| false,
         read: obj::read,
@@ -67,7 +68,7 @@ static FORMATS: [Format; 5] = [
     Format {
         name: "PLY",
         extensions: &["ply"],
-        default_ground: Ground::Plane,
+        default_ground: Ground::Fade,
         has_axes: false,
         recognise: ply::recognise,
         read: ply::read,
@@ -75,7 +76,7 @@ static FORMATS: [Format; 5] = [
     Format {
         name: "STL",
         extensions: &["stl"],
-        default_ground: Ground::Plane,
+        default_ground: Ground::Fade,
         has_axes: false,
         recognise: |_| false,
         read: stl::read,
@@ -238,6 +239,14 @@ fn read(source: &Source, budget: &mut Budget, scene_files: bool) -> Result<Loade
     }
     tidy(&mut loaded.scene.warnings);
     loaded.scene.check_extent().map_err(|message| Fault::Invalid(message).at(path))?;
+    // A model of a scene file stands on that file's ground.
+    if scene_files
+        && loaded.ground == Ground::Fade
+        && format.default_ground == Ground::Fade
+        && loaded.scene.brings_ground()
+    {
+        loaded.ground = Ground::None;
+    }
     Ok(loaded)
 }
 

@@ -296,7 +296,7 @@ impl Reader {
             // Colours multiply the base colour: let grey not darken them.
             scene.materials[0].surface.base_color = Vec3::ONE;
         }
-        Ok(source.loaded(scene, Ground::Plane))
+        Ok(source.loaded(scene, Ground::Fade))
     }
 }
 

@@ -101,7 +101,7 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
         let mesh = geometry::finish(mesh, None, "the mesh", budget, &mut scene.warnings)?;
         scene.push_mesh(&super::stem(source.path), mesh);
     }
-    Ok(source.loaded(scene, Ground::Plane))
+    Ok(source.loaded(scene, Ground::Fade))
 }
 
 /// One mesh for each texture that faces name; a file without faces has one.

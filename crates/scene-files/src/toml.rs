@@ -21,6 +21,7 @@ use super::{
     load_within,
 };
 use crate::error::Fault;
+use crate::ies::IesFile;
 use crate::{Resolver, SceneFileError, heights};
 
 mod light;
@@ -88,6 +89,12 @@ struct SceneFile {
     // How the scene is drawn is read by whoever draws it, through `read_sections`.
     #[serde(rename = "bump_scale")]
     _bump_scale: Option<IgnoredAny>,
+    #[serde(rename = "ground_camera_height")]
+    _ground_camera_height: Option<IgnoredAny>,
+    #[serde(rename = "emission")]
+    _emission: Option<IgnoredAny>,
+    #[serde(rename = "lamp_strength")]
+    _lamp_strength: Option<IgnoredAny>,
     #[serde(rename = "paper")]
     _paper: Option<IgnoredAny>,
     #[serde(rename = "fit")]
@@ -314,8 +321,10 @@ impl Reader<'_> {
             places.push(self.place(model, axes, &materials, &mut scene, budget)?);
         }
         for light in &file.light {
-            let place = light.get_ref().add_to(&mut scene).map_err(|message| self.at(light, message))?;
-            places.push(place);
+            let entry = light.get_ref();
+            let profile = entry.profile_file().map(|file| self.profile(file, budget)).transpose()?;
+            let place = entry.add_to(&mut scene, profile.as_ref());
+            places.push(place.map_err(|message| self.at(light, message))?);
         }
         let origin = scene.suitable_origin();
         scene.move_origin(origin, &places);
@@ -323,6 +332,15 @@ impl Reader<'_> {
         let ground = file.ground.unwrap_or(Ground::None);
         let variant = self.source.options.variant.clone();
         Ok(LoadedScene { scene, environment, ground, variant, axes })
+    }
+
+    /// A lamp's photometric file.
+    fn profile(&self, file: &str, budget: &mut Budget) -> Result<IesFile, Fault> {
+        let path = self.source.sibling(file);
+        let bytes = self.source.read(&path, budget)?;
+        IesFile::parse(&bytes).map_err(|message| {
+            Fault::Invalid(format!("the profile '{}' cannot be used: {message}", quoted(file)))
+        })
     }
 
     /// Adds a model. Returns its root and where that stands.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::{Affine3A, Quat, Vec3};
-use gnomon_scene::{AlphaMode, MeshId, Scene};
+use gnomon_scene::{AlphaMode, AreaLightShape, MeshId, Scene, Spread};
 use gnomon_scene_files::{LoadOptions, load, load_bytes};
 use serde_json::{Value, json};
 
@@ -21,10 +21,61 @@ fn with_material(material: Value) -> Value {
     })
 }
 
+/// Units of KHR_lights_punctual: candela of points and spots, lux of suns; extents of the light's extras.
+#[test]
+fn punctual_lights_have_an_extent_and_their_intensity() {
+    let lights = |change: &dyn Fn(&mut Value)| {
+        read(&triangle(|d| {
+            d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+            d["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+                {"type": "point", "color": [1.0, 0.5, 0.0], "intensity": 20.0, "extras": {"radius": 0.25}},
+                {"type": "spot", "intensity": 3.0, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.6}},
+                {"type": "directional", "intensity": 7.0, "extras": {"angle": 0.02}},
+            ]}});
+            let light = |light: usize| json!({"KHR_lights_punctual": {"light": light}});
+            d["nodes"] = json!([
+                {"mesh": 0, "children": [1], "translation": [1.0, 2.0, 3.0], "scale": [2.0, 2.0, 2.0]},
+                {"translation": [0.0, 1.0, 0.0], "extensions": light(0)},
+                {"rotation": [-1.0, 0.0, 0.0, 1.0], "extensions": light(1)},
+                {"rotation": [0.0, 1.0, 0.0, 1.0], "extensions": light(2)},
+            ]);
+            d["scenes"][0]["nodes"] = json!([0, 2, 3]);
+            change(d);
+        }))
+        .scene
+    };
+    let scene = lights(&|_| ());
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let [point, spot, sun] = scene.placed_lights()[..] else { panic!("three lights") };
+    assert_eq!(point.center, Vec3::new(1.0, 4.0, 3.0));
+    assert_eq!(point.shape, AreaLightShape::Sphere { radius: 0.25 });
+    let intensity = point.radiance * point.shape.facing_irradiance();
+    assert!(intensity.abs_diff_eq(Vec3::new(20.0, 10.0, 0.0), 1e-4), "{intensity}");
+    assert_eq!(spot.spread, Spread::Cone { inner: 0.2, outer: 0.6 });
+    assert!((spot.radiance.x * spot.shape.facing_irradiance() - 3.0).abs() < 1e-5);
+    assert!(spot.normal.abs_diff_eq(Vec3::NEG_Y, 1e-6), "it shines along -z: {}", spot.normal);
+    assert!((sun.radiance.x * std::f32::consts::PI * 0.01_f32.sin().powi(2) - 7.0).abs() < 1e-4);
+    assert!(sun.normal.abs_diff_eq(Vec3::NEG_X, 1e-6), "{}", sun.normal);
+    // What is out of range leaves one out with a word, and a light that is not there is an error.
+    for (pointer, value, word) in [
+        ("/extensions/KHR_lights_punctual/lights/0/extras/radius", json!(-1), "extras.radius"),
+        ("/extensions/KHR_lights_punctual/lights/0/intensity", json!(-1), "at least 0"),
+        ("/extensions/KHR_lights_punctual/lights/1/spot/outerConeAngle", json!(0.1), "quarter turn"),
+        ("/extensions/KHR_lights_punctual/lights/2/type", json!("ambient"), "unknown type"),
+    ] {
+        let scene = lights(&|d| *d.pointer_mut(pointer).unwrap() = value.clone());
+        assert_eq!(scene.lights.len(), 2, "{pointer}");
+        assert!(scene.warnings.len() == 1 && scene.warnings[0].contains(word), "{:?}", scene.warnings);
+    }
+    let hidden = lights(&|d| {
+        d["nodes"][0]["extensions"] = json!({"KHR_node_visibility": {"visible": false}});
+    });
+    assert_eq!(hidden.lights.len(), 2);
+}
+
 #[test]
 fn extensions_that_only_add_are_accepted_with_a_word() {
     for (name, words) in [
-        ("KHR_lights_punctual", "its lights are left out"),
         ("KHR_materials_transmission", "shown opaque"),
         ("KHR_materials_clearcoat", "clear coats are not drawn"),
     ] {

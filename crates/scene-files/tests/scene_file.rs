@@ -1,11 +1,12 @@
 //! The TOML scene file.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail the test")]
 
+use std::f32::consts::PI;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
 use gnomon_brdf::{Model, Parameter};
-use gnomon_scene::{AreaLightShape, Camera, Ground};
+use gnomon_scene::{AreaLightShape, Camera, Ground, Spread};
 use gnomon_scene_files::{
     EnvironmentSettings, EnvironmentSource, FileResolver, LoadOptions, LoadedScene, SceneFileError, load,
     read_sections,
@@ -92,6 +93,65 @@ fn lights_are_placed_and_ride_on_models() {
     // Power pi^2 over pi times an area of pi.
     assert!((bulb.radiance - Vec3::X).length() < 1e-6, "{}", bulb.radiance);
     assert!((lid.normal - Vec3::NEG_Y).length() < 1e-6 && lid.tangent.y == 0.0);
+}
+
+#[test]
+fn a_spot_has_the_profile_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let with = |profile: &str, more: &str| {
+        std::fs::write(folder.path().join("lamp.ies"), profile).unwrap();
+        let text = format!(
+            "[[light]]\nshape = \"spot\"\nradius = 0.1\ntarget = [0, -1, 0]\nprofile = \"lamp.ies\"\n{more}"
+        );
+        std::fs::write(&path, text).unwrap();
+        load(&path, &LoadOptions::default())
+    };
+    let file = "IESNA91\nTILT=NONE\n1 -1 1.5 3 1 1 2 0 0 0\n1 1 10\n0 45 90\n0\n200 100 0\n";
+    let light = with(file, "").unwrap().scene.placed_lights()[0];
+    assert!((light.radiance * PI * 0.01).abs_diff_eq(Vec3::splat(300.0), 1e-3), "{}", light.radiance);
+    let below = light.share_towards(light.center + Vec3::new(1.0, -1.0, 0.0));
+    assert!((below - 0.5).abs() < 1e-3 && light.share_towards(light.center + Vec3::Y) == 0.0, "{below}");
+    let dimmed = with(file, "intensity = [3, 2, 1]\n").unwrap().scene.placed_lights()[0];
+    assert!((dimmed.radiance * PI * 0.01).abs_diff_eq(Vec3::new(3.0, 2.0, 1.0), 1e-4));
+    let error = with("IESNA91\nTILT=NONE\n1 -1 x\n", "").unwrap_err().to_string();
+    assert!(error.contains("'lamp.ies' cannot be used: the candela multiplier is no number"), "{error}");
+    assert!(with(file, "cone = [1, 2]\n").unwrap_err().to_string().contains("either 'cone' or 'profile'"));
+}
+
+#[test]
+fn spots_and_suns_have_their_own_keys() {
+    let scene = attempt(
+        "[[light]]\nshape = \"spot\"\nradius = 0.1\ncone = [10, 30]\ntarget = [0, -1, 0]\nintensity = [1, 2, 3]\n\
+         [[light]]\nshape = \"sun\"\nangle = 2\ndirection = [1, -1, 0]\nirradiance = [4, 4, 4]\n\
+         [[light]]\nshape = \"sphere\"\nradius = 0.5\nintensity = [1, 1, 1]\n",
+    )
+    .unwrap()
+    .scene;
+    let [spot, sun, sphere] = scene.placed_lights()[..] else { panic!("three lights") };
+    assert_eq!(spot.spread, Spread::Cone { inner: 10_f32.to_radians(), outer: 30_f32.to_radians() });
+    assert!((spot.radiance.z * PI * 0.01 - 3.0).abs() < 1e-5);
+    assert_eq!(sun.shape, AreaLightShape::Sun { angular_radius: 1_f32.to_radians() });
+    assert!((sun.radiance.x * PI * 1_f32.to_radians().sin().powi(2) - 4.0).abs() < 1e-5);
+    assert!((sphere.radiance.x * PI * 0.25 - 1.0).abs() < 1e-5);
+    for (light, words) in [
+        ("shape = \"spot\"\nradius = 1\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]", "needs a 'cone'"),
+        (
+            "shape = \"spot\"\nradius = 1\ncone = [30, 30]\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]",
+            "the first smaller",
+        ),
+        (
+            "shape = \"disk\"\nradius = 1\ncone = [3, 30]\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]",
+            "only a spot",
+        ),
+        ("shape = \"sun\"\nradius = 1\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]", "no 'radius'"),
+        ("shape = \"sun\"\nangle = 180\ntarget = [0, -1, 0]\nradiance = [1, 1, 1]", "angle must be"),
+        ("shape = \"sun\"\ntarget = [0, -1, 0]\npower = [1, 1, 1]", "'irradiance'"),
+        ("shape = \"sun\"\nradiance = [1, 1, 1]", "'target' or 'direction'"),
+    ] {
+        let error = attempt(&format!("[[light]]\n{light}\n")).unwrap_err().to_string();
+        assert!(error.contains(words), "{light}: {error}");
+    }
 }
 
 #[test]

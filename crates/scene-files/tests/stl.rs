@@ -94,5 +94,5 @@ fn damaged_files_say_what_is_wrong() {
     }
     std::fs::write(&path, b"solid nothing\nendsolid nothing\n").unwrap();
     let loaded = open(&path);
-    assert!(loaded.scene.warnings[0].contains("no triangles") && loaded.ground == Ground::Plane);
+    assert!(loaded.scene.warnings[0].contains("no triangles") && loaded.ground == Ground::Fade);
 }

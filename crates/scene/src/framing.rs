@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use gnomon_options::choices;
 
-use crate::{Bounds, Camera, Material, MaterialId, Mesh, NodeId, Scene, SceneError};
+use crate::{Bounds, Camera, GroundFade, Material, MaterialId, Mesh, NodeId, Scene, SceneError};
 
 choices! {
     /// What lies under the models.
@@ -16,8 +16,22 @@ choices! {
         Plane = "plane",
         /// What is seen behind the scene, darkened where the scene shadows a level ground; a level ground of the scene's own becomes that.
         Catcher = "catcher",
+        /// A matte ground near the models that fades with the distance into a catcher, so that no edge of it is seen.
+        Fade = "fade",
+        /// A catcher that shows near its middle what the environment's camera saw of the ground there: its lower half laid on the ground.
+        Projected = "projected",
     }
 }
+
+impl Ground {
+    /// Whether it shows, somewhere, what is behind the scene; such a ground blocks no light.
+    fn catches(self) -> bool {
+        matches!(self, Self::Catcher | Self::Fade | Self::Projected)
+    }
+}
+
+/// Height of the environment's camera over the ground unless somebody says otherwise [m]: of a tripod.
+pub const CAMERA_HEIGHT: f32 = 1.6;
 
 /// Half the ground's side over the radius of the model's footprint. Shadow maps cover the scene's bounds, so a larger
 /// ground would cost them resolution.
@@ -28,6 +42,14 @@ const CATCHER_SIDES: f32 = 4.0;
 
 /// Half the side of the smallest ground [m]: its node's scale can be squared.
 const LEAST_HALF_SIDE: f32 = 1e-9;
+
+/// Distances between which a ground fades and between which a projection ends, as shares of half the side of their catcher: matte are two
+/// radii of the models' footprint, and eight show something of it.
+const FADES: [f32; 2] = [0.125, 0.5];
+const PROJECTED: [f32; 2] = [0.3, 0.95];
+
+/// Half the side of a projected ground over the height of its camera at least: at its end that looks six degrees below the horizon.
+const PROJECTED_SIDES: f32 = 10.0;
 
 /// Share of its height over a ground by which a model may have sunk into it and still stands on it: feet of a walking model do, and
 /// boxes around bent meshes are larger than these.
@@ -49,46 +71,58 @@ impl Scene {
     /// its half side is four times the radius of the models' footprint. A scene without triangles, or one that
     /// has its ground already, stays as it is.
     pub fn add_ground(&mut self, ground: Ground) {
-        self.add_ground_under(ground, self.bounds());
+        self.add_ground_under(ground, CAMERA_HEIGHT, self.bounds());
     }
 
-    /// The same under models that reach elsewhere than they do now, such as to [`Scene::bounds_of_clip`]. The mesh is that of
-    /// [`Scene::add_ground`], whatever the reach: its node places and scales it, so that another reach is but another pose.
-    pub fn add_ground_under(&mut self, ground: Ground, reach: Option<Bounds>) {
-        if ground == Ground::Catcher
-            && let Some(node) = self.ground
-        {
-            self.make_catcher(node);
+    /// The same under models that reach elsewhere than they do now, such as to [`Scene::bounds_of_clip`], with the height of the camera of a
+    /// projected ground [m]. The mesh is that of [`Scene::add_ground`], whatever the reach: its node places and scales it, so that another
+    /// reach is but another pose.
+    pub fn add_ground_under(&mut self, ground: Ground, camera_height: f32, reach: Option<Bounds>) {
+        if let (Ground::Catcher | Ground::Projected, Some(node)) = (ground, self.ground) {
+            self.make_catcher(node, (ground == Ground::Projected).then_some(camera_height));
         }
         let (false, None, Some(own), Some(reach)) =
             (ground == Ground::None, self.ground, self.bounds(), reach)
         else {
             return;
         };
-        let catches = ground == Ground::Catcher;
+        let catches = ground.catches();
         // Models that are a point at rest leave no size to scale.
         let unit = Some(half_side(own)).filter(|half| *half > LEAST_HALF_SIDE).unwrap_or(1.0);
+        let camera_height = Some(camera_height).filter(|_| ground == Ground::Projected);
+        let fade = match ground {
+            Ground::Fade => Some(faded(unit, FADES, None)),
+            Ground::Projected => Some(faded(unit, PROJECTED, camera_height)),
+            _ => None,
+        };
         let material =
-            Material { name: "ground".to_owned(), double_sided: true, catches, ..Material::default() };
+            Material { name: "ground".to_owned(), double_sided: true, catches, fade, ..Material::default() };
         self.materials.push(material);
+        let half = half_side(reach) * if catches { CATCHER_SIDES } else { 1.0 };
+        let half = half.max(camera_height.map_or(0.0, |height| PROJECTED_SIDES * height));
         let mut mesh = square(Vec3::ZERO, unit);
         mesh.material = Some(MaterialId(self.materials.len() - 1));
         let node = self.push_mesh("ground", mesh);
         self.nodes[node.0].parent_from_node = Affine3A::from_scale_rotation_translation(
-            Vec3::splat(half_side(reach) / unit * if catches { CATCHER_SIDES } else { 1.0 }),
+            Vec3::splat(half / unit),
             Quat::IDENTITY,
             reach.center().with_y(reach.min.y),
         );
         self.ground = Some(node);
     }
 
-    /// Makes catchers of the meshes of a node that are level.
-    fn make_catcher(&mut self, node: NodeId) {
+    /// Makes catchers of the meshes of a node that are level, on which the environment is projected from a height where there is one.
+    fn make_catcher(&mut self, node: NodeId, camera_height: Option<f32>) {
         for mesh in self.nodes[node.0].meshes.clone() {
             let own = Arc::make_mut(&mut self.meshes[mesh.0]);
             if !own.normals.is_empty() && own.normals.iter().all(|normal| normal.y.abs() > 0.9999) {
                 let material = own.material.and_then(|material| self.materials.get(material.0)).cloned();
-                self.materials.push(Material { catches: true, ..material.unwrap_or_default() });
+                let half = Bounds::around(own.positions.iter().copied()).map_or(0.0, |bounds| {
+                    let size = bounds.max - bounds.min;
+                    0.5 * size.x.min(size.z)
+                });
+                let fade = camera_height.map(|height| faded(half, PROJECTED, Some(height)));
+                self.materials.push(Material { catches: true, fade, ..material.unwrap_or_default() });
                 own.material = Some(MaterialId(self.materials.len() - 1));
             }
         }
@@ -136,6 +170,11 @@ impl Scene {
         self.rest();
         Ok(all.or_else(|| self.bounds_to_frame()))
     }
+}
+
+/// A fade over shares of half the side of its mesh.
+fn faded(half: f32, [from, to]: [f32; 2], camera_height: Option<f32>) -> GroundFade {
+    GroundFade { from: from * half, to: to * half, camera_height }
 }
 
 /// Half the side of the ground under models within these bounds [m].

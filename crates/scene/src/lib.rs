@@ -9,8 +9,10 @@ pub mod builtin;
 mod camera;
 mod camera_settings;
 pub mod edges;
+mod emission;
 mod error;
 mod framing;
+mod ground;
 mod height;
 mod light;
 mod material;
@@ -29,10 +31,14 @@ mod triangle;
 
 pub use animation::{AnimatedNode, Animation, Channel, Interpolation, Keys};
 pub use camera::{Camera, Film, Projection, rigid};
+pub use emission::Emission;
 pub use error::SceneError;
-pub use framing::{Ground, SUNKEN, camera_around, default_camera};
+pub use framing::{CAMERA_HEIGHT, Ground, SUNKEN, camera_around, default_camera};
+pub use ground::{GroundFade, PlacedFade, ground_direction, ground_share};
 pub use height::{Gradients, Height, HeightMap, HeightMapId, bent_by_heights};
-pub use light::{AreaLight, AreaLightShape, PlacedLight};
+pub use light::{
+    AreaLight, AreaLightShape, FLAT_CLEARANCE, PROFILE_VALUES, PlacedLight, Profile, Spread, cone_share,
+};
 pub use material::{AlphaMode, Material, Texture, TextureId, TextureRef, Wrap};
 pub use orbit::Orbit;
 pub use origin::origin_around;

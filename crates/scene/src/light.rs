@@ -23,6 +23,11 @@ pub enum AreaLightShape {
         /// [m]
         radius: f32,
     },
+    /// Disk infinitely far away, seen towards the node's +z: a sun. It has no place, and its extent is that at a distance of 1.
+    Sun {
+        /// Angle between its middle and its rim, below a quarter turn [rad].
+        angular_radius: f32,
+    },
 }
 
 impl AreaLightShape {
@@ -32,6 +37,17 @@ impl AreaLightShape {
             Self::Disk { radius } => PI * radius * radius,
             Self::Rectangle { size } => size.x * size.y,
             Self::Sphere { radius } => 4.0 * PI * radius * radius,
+            Self::Sun { angular_radius } => PI * angular_radius.tan().powi(2),
+        }
+    }
+
+    /// Irradiance of a surface that faces it and sees all of it, per unit of its radiance: of a sun itself, of others in the scene times the
+    /// square of their distance, far away [sr, m^2 sr]. That is their intensity.
+    pub fn facing_irradiance(&self) -> f32 {
+        match *self {
+            Self::Sphere { radius } => PI * radius * radius,
+            Self::Sun { angular_radius } => PI * angular_radius.sin().powi(2),
+            Self::Disk { .. } | Self::Rectangle { .. } => self.area(),
         }
     }
 
@@ -40,8 +56,99 @@ impl AreaLightShape {
         match *self {
             Self::Disk { radius } | Self::Sphere { radius } => Vec2::splat(radius),
             Self::Rectangle { size } => 0.5 * size,
+            Self::Sun { angular_radius } => Vec2::splat(angular_radius.tan()),
         }
     }
+}
+
+/// How a light's radiance depends on the direction from its centre in which it is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Spread {
+    /// Not at all.
+    #[default]
+    Even,
+    /// A spot around its front: whole within the cone of half the angle `inner`, less and less up to that of `outer` [rad]
+    /// (KHR_lights_punctual, "Inner and Outer Cone Angles").
+    Cone {
+        /// From 0 to below `outer`.
+        inner: f32,
+        /// Up to a quarter turn.
+        outer: f32,
+    },
+    /// By the angle with its front.
+    Profile(Profile),
+}
+
+/// A flat light gives nothing to what is nearer to its plane than this share of its smaller half side: surfaces that emit have their light a
+/// little before them.
+pub const FLAT_CLEARANCE: f32 = 3e-4;
+
+/// Values of a [`Profile`]: what fits into a light's uniform.
+pub const PROFILE_VALUES: usize = 24;
+
+/// Shares of a light's radiance by the angle with its front, evenly spread from 0; beyond the last there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    /// Angle of the last one, above 0 [rad].
+    last: f32,
+    values: [f32; PROFILE_VALUES],
+}
+
+impl Profile {
+    /// By the share at each angle [rad] up to `last`; `None` unless that is an angle above 0 and up to half a turn.
+    pub fn new(last: f32, share: impl Fn(f32) -> f32) -> Option<Self> {
+        let step = last / (PROFILE_VALUES - 1) as f32;
+        let values = std::array::from_fn(|i| share(i as f32 * step));
+        (last > 0.0 && last <= PI + 1e-3).then_some(Self { last, values })
+    }
+
+    /// Share in a direction of this cosine with the front.
+    pub fn share(&self, cosine: f32) -> f32 {
+        let place = cosine.clamp(-1.0, 1.0).acos() / self.last * (PROFILE_VALUES - 1) as f32;
+        if place > (PROFILE_VALUES - 1) as f32 + 1e-3 {
+            return 0.0;
+        }
+        let first = (place as usize).min(PROFILE_VALUES - 2);
+        let between = place - first as f32;
+        self.values[first] + between * (self.values[first + 1] - self.values[first])
+    }
+}
+
+impl Spread {
+    /// Factor and summand of the cosine in [`cone_share`].
+    pub fn cone(&self) -> Vec2 {
+        match *self {
+            Self::Even | Self::Profile(_) => Vec2::new(0.0, 1.0),
+            Self::Cone { inner, outer } => {
+                let scale = 1.0 / (inner.cos() - outer.cos()).max(0.001);
+                Vec2::new(scale, -outer.cos() * scale)
+            }
+        }
+    }
+}
+
+impl Spread {
+    /// The last angle of a profile, 0 without one [rad], and its values.
+    pub fn profile(&self) -> (f32, [f32; PROFILE_VALUES]) {
+        match self {
+            Self::Profile(profile) => (profile.last, profile.values),
+            _ => (0.0, [0.0; PROFILE_VALUES]),
+        }
+    }
+
+    /// Share of its radiance that a light has in a direction of this cosine with its front.
+    pub fn share(&self, cosine: f32) -> f32 {
+        match self {
+            Self::Profile(profile) => profile.share(cosine),
+            _ => cone_share(cosine, self.cone()),
+        }
+    }
+}
+
+/// Share of its radiance that a light has in a direction of this cosine with its front.
+pub fn cone_share(cosine: f32, cone: Vec2) -> f32 {
+    let share = (cosine * cone.x + cone.y).clamp(0.0, 1.0);
+    share * share
 }
 
 /// A uniform Lambertian emitter at a place in the scene. It lights surfaces and is mirrored by them, but the camera does not see
@@ -54,6 +161,8 @@ pub struct AreaLight {
     pub shape: AreaLightShape,
     /// Radiance, the same everywhere and in every direction of its front; linear Rec. 709. The power is `pi area radiance`.
     pub radiance: Vec3,
+    /// In which directions.
+    pub spread: Spread,
 }
 
 /// An [`AreaLight`] in world space.
@@ -71,6 +180,8 @@ pub struct PlacedLight {
     pub bitangent: Vec3,
     /// Radiance, linear Rec. 709.
     pub radiance: Vec3,
+    /// In which directions.
+    pub spread: Spread,
 }
 
 impl PlacedLight {
@@ -94,7 +205,13 @@ impl PlacedLight {
             tangent,
             bitangent: tangent.cross(normal),
             radiance: light.radiance.max(Vec3::ZERO),
+            spread: light.spread,
         })
+    }
+
+    /// Share of its radiance that it has towards a place: that of the direction from its centre, for all of it.
+    pub fn share_towards(&self, position: Vec3) -> f32 {
+        self.spread.share((position - self.center).normalize_or_zero().dot(self.normal))
     }
 
     /// Corners of a rectangle, or of the square around another outline, counter-clockwise seen from the front [m].
@@ -128,7 +245,7 @@ mod tests {
             parent_from_node,
             ..Node::default()
         });
-        let light = AreaLight { node: NodeId(transforms.len() - 1), shape, radiance };
+        let light = AreaLight { node: NodeId(transforms.len() - 1), shape, radiance, spread: Spread::Even };
         Scene { nodes: nodes.collect(), lights: vec![light], ..Scene::default() }
     }
 
@@ -174,7 +291,12 @@ mod tests {
             lit(&[Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0))], RECTANGLE, Vec3::ONE),
             lit(&[Affine3A::from_translation(Vec3::splat(f32::INFINITY))], RECTANGLE, Vec3::ONE),
             Scene {
-                lights: vec![AreaLight { node: NodeId(9), shape: RECTANGLE, radiance: Vec3::ONE }],
+                lights: vec![AreaLight {
+                    node: NodeId(9),
+                    shape: RECTANGLE,
+                    radiance: Vec3::ONE,
+                    spread: Spread::Even,
+                }],
                 ..Scene::default()
             },
         ] {

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::{Affine2, Vec2, Vec3};
 use gnomon_brdf::{Surface, Tables};
 
-use crate::Height;
+use crate::{GroundFade, Height};
 
 /// Index into [`crate::Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -109,6 +109,8 @@ pub struct Material {
     pub emissive_texture: Option<TextureRef>,
     /// Whether vertex colours multiply `emissive`, instead of the base colour alone: a surface that emits its colour has them so.
     pub emissive_vertex_colors: bool,
+    /// Whether lights of the scene stand for its emission: reflections show those.
+    pub shines: bool,
     /// Base-colour alpha factor.
     pub alpha: f32,
     /// Use of alpha.
@@ -117,6 +119,8 @@ pub struct Material {
     pub double_sided: bool,
     /// Shows what is seen behind the scene, by the share of the light that shadows leave on it, and blocks no light itself.
     pub catches: bool,
+    /// How a catcher changes with the distance from the middle of its mesh: for the one of [`crate::Scene::ground`].
+    pub fade: Option<GroundFade>,
 }
 
 impl Default for Material {
@@ -136,10 +140,12 @@ impl Default for Material {
             emissive: Vec3::ZERO,
             emissive_texture: None,
             emissive_vertex_colors: false,
+            shines: false,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             catches: false,
+            fade: None,
         }
     }
 }

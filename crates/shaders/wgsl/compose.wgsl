@@ -5,6 +5,7 @@
 #import sh
 #import light_sums
 #import form_factor
+#import ground
 #import slot:composite
 
 // Radiance of every pixel: unshadowed light, what the lights' sums make of it, emission; or the environment itself. A pixel that shows one
@@ -31,14 +32,28 @@ fn full_irradiance(n: vec3f) -> vec3f {
     return irradiance;
 }
 
-// What the camera sees of the environment through a sample.
-fn background_at(sample: vec2u) -> vec3f {
+// Of the ray that the camera sees a sample along.
+fn view_direction_at(sample: vec2u) -> vec3f {
+    let near = unproject(sample, 1.0);
+    return normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz);
+}
+
+// What the camera sees of the environment in a direction of the world.
+fn background_towards(direction: vec3f) -> vec3f {
     if (view.flags & FLAG_BACKGROUND) == 0u {
         return vec3f(0.0);
     }
-    let near = unproject(sample, 1.0);
-    let direction = environment_direction(normalize(near.xyz / near.w * view.eye_world.w - view.eye_world.xyz));
-    return equirect_lookup(background, direction, 0) * view.background_scale;
+    return equirect_lookup(background, environment_direction(direction), 0) * view.background_scale;
+}
+
+// The same through a sample.
+fn background_at(sample: vec2u) -> vec3f {
+    return background_towards(view_direction_at(sample));
+}
+
+// Share that is seen at a place of a fading ground of what it is near its middle.
+fn fading_ground_share(position_world: vec3f) -> f32 {
+    return ground_share(length(position_world - view.ground_center), view.ground_fade.x, view.ground_fade.y);
 }
 
 // Radiance of a surface under these sums, in the parts that make its sum.
@@ -109,23 +124,33 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
     return shaded;
 }
 
-// Whether a sample shows a catcher.
-fn catches_at(sample: vec2u) -> bool {
-    return materials[packed_surface_at(sample).material].catches != 0u;
+// Whether a sample shows a catcher, a CATCHES constant.
+fn catches_at(sample: vec2u) -> u32 {
+    return materials[packed_surface_at(sample).material].catches;
 }
 
-// What is composed of a catcher in front of `behind`, and how much it hides of that.
-fn part_of_catcher(behind: vec3f, shaded: Shaded) -> vec4f {
-    let hidden = saturate(1.0 - luminance(shaded.lit));
+// What is composed of a catcher in front of `behind`, and how much it hides of that. It has a share of a matte surface of its own, the
+// albedo `surface.diffuse_color`.
+fn part_of_catcher(behind: vec3f, share: f32, surface: Surface, shaded: Shaded) -> vec4f {
+    let hidden = mix(saturate(1.0 - luminance(shaded.lit)), 1.0, share);
     switch composition.part {
-        case PART_PICTURE, PART_BACKGROUND: {
-            return vec4f(behind * shaded.lit, hidden);
+        case PART_PICTURE: {
+            return vec4f(mix(behind * shaded.lit, shaded.diffuse, share), hidden);
+        }
+        case PART_BACKGROUND: {
+            return vec4f((1.0 - share) * behind * shaded.lit, hidden);
         }
         case PART_SHADOW: {
             return vec4f(shaded.shadow, hidden);
         }
         case PART_ALPHA: {
             return vec4f(hidden);
+        }
+        case PART_ALBEDO: {
+            return share * vec4f(surface.diffuse_color, 1.0);
+        }
+        case PART_DIFFUSE, PART_LIGHTS: {
+            return share * vec4f(shaded.diffuse, 1.0);
         }
         default: {
             return vec4f(0.0);
@@ -178,10 +203,22 @@ fn part_of_background(sample: vec2u) -> vec3f {
     }
 }
 
+// What is seen behind a catcher through a sample of it.
+fn behind_catcher_at(sample: vec2u, catches: u32) -> vec3f {
+    let direction = view_direction_at(sample);
+    if catches != CATCHES_FADING {
+        return background_towards(direction);
+    }
+    let position = position_at(sample, depth_at(sample));
+    let share = fading_ground_share(position);
+    let from_center = position - view.ground_center;
+    return background_towards(ground_direction(from_center, direction, view.ground_camera_height, share));
+}
+
 // The colour of a sample that counts: what is averaged over the samples of a smooth pixel.
-fn color_at(sample: vec2u, catches: bool) -> vec3f {
-    if catches {
-        return background_at(sample);
+fn color_at(sample: vec2u, catches: u32) -> vec3f {
+    if catches != CATCHES_NOT {
+        return behind_catcher_at(sample, catches);
     }
     if composition.part == PART_ALBEDO {
         return base_color_at(sample);
@@ -214,7 +251,10 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     let side = view.supersample;
     let depth = depth_at(sample);
     let spread = select(1u, 4u, is_smooth && side > 1u);
-    let catches = depth > 0.0 && catches_at(sample);
+    var catches = CATCHES_NOT;
+    if depth > 0.0 {
+        catches = catches_at(sample);
+    }
     var mean = vec3f(0.0);
     for (var i = 0u; i < spread; i++) {
         let place = select(sample, spread_sample(corner, side, i), spread > 1u);
@@ -228,7 +268,9 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
         return vec4f(mean, 0.0);
     }
     var surface = surface_at(sample, depth);
-    surface.diffuse_color = mean;
+    if catches == CATCHES_NOT {
+        surface.diffuse_color = mean;
+    }
     let own = own_point(sample);
     let sampling = view.point_lists[view.point_list_count - 1u].sampling;
     let step = select(side, select(min(sampling, side), 1u, own != NO_POINT), is_smooth);
@@ -239,8 +281,17 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
         add_weighted(&sums, 1.0 / f32(steps * steps), sums_of(place, surface, is_smooth, own));
     }
     let shaded = shade(surface, sums);
-    if catches {
-        return part_of_catcher(mean, shaded);
+    if catches != CATCHES_NOT {
+        var caught = shaded;
+        var share = 0.0;
+        if catches == CATCHES_FADING {
+            share = fading_ground_share(surface.position_world);
+            // What the scene's own lights add ends with the ground.
+            caught.lit = mix(shaded.shadow, shaded.lit, share);
+            // A projected ground shows nothing but the environment.
+            share = select(share, 0.0, view.ground_camera_height > 0.0);
+        }
+        return part_of_catcher(mean, share, surface, caught);
     }
     return vec4f(part_of(surface, shaded), 1.0);
 }

@@ -29,8 +29,9 @@ fn light(
         if !asks_for(form_factor, relief) {
             continue;
         }
+        let radiance = light_radiance(light, surface.position_world);
         var arrives = 0.0;
-        if is_shown(light) {
+        if is_shown(light) && any(radiance > vec3f(0.0)) {
             let n = asked_normal(form_factor, relief, surface);
             arrives = visibility(light, point, surface.position_world, surface.geometric_normal, n);
         }
@@ -40,15 +41,16 @@ fn light(
             sums.probed_open += form_factor * visible;
             continue;
         }
-        let diffuse = lights[light].radiance * form_factor;
+        let diffuse = radiance * form_factor;
         // Shadowed light alone: the ratio to unshadowed light is then what bumps hide and add.
-        let scattered = arrives * lights[light].radiance * scattered_light(light, relief, surface);
+        let scattered = arrives * radiance * scattered_light(light, relief, surface);
         var specular = vec3f(0.0);
-        let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && lights[light].kind == KIND_DISTANT;
+        let is_own = lights[light].kind != KIND_DISTANT || lights[light].role == ROLE_SUN;
+        let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && !is_own;
         if form_factor > 0.0 && has_lobe(surface.lobe) && !is_traced {
-            specular = light_specular(light, surface) * lights[light].radiance;
+            specular = light_specular(light, surface) * radiance;
         }
-        if lights[light].kind == KIND_DISTANT {
+        if !is_own {
             sums.diffuse_unshadowed += diffuse;
             sums.diffuse_shadowed += diffuse * visible + scattered;
             sums.sharpness += luminance(diffuse) * shadow_sharpness;

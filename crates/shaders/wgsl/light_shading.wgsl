@@ -1,6 +1,7 @@
 #import frame
 #import gbuffer_surface
 #import form_factor
+#import cone_share
 
 // Unshadowed light of one area light on a surface.
 
@@ -35,7 +36,8 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
         }
         return disk_form_factor(n, to_light / distance, asin(half_extent.x / distance));
     }
-    if dot(to_light, lights[light].direction) <= 0.0 {
+    // Emitting surfaces have their light a little before them, and are not lit by it.
+    if dot(to_light, lights[light].direction) <= FLAT_CLEARANCE * min(half_extent.x, half_extent.y) {
         return 0.0;
     }
     let a = half_extent.x * lights[light].tangent;
@@ -52,6 +54,30 @@ fn light_form_factor(light: u32, position_world: vec3f, n: vec3f) -> f32 {
             vec4f(to_light + a - b, 0.0),
         ),
     );
+}
+
+// Radiance of a light towards a place: that of the direction from its centre, for all of it.
+fn light_radiance(light: u32, position_world: vec3f) -> vec3f {
+    let from_center = position_world - lights[light].position;
+    let cosine = dot(from_center, lights[light].front) * inverseSqrt(max(dot(from_center, from_center), 1e-30));
+    return lights[light].radiance * cone_share(cosine, lights[light].cone) * profile_share(light, cosine);
+}
+
+fn profile_value(light: u32, place: u32) -> f32 {
+    return lights[light].profile[place / 4u][place % 4u];
+}
+
+// Share of its radiance that a light has by its profile in a direction of this cosine with its front.
+fn profile_share(light: u32, cosine: f32) -> f32 {
+    if lights[light].profile_end <= 0.0 {
+        return 1.0;
+    }
+    let place = acos(clamp(cosine, -1.0, 1.0)) / lights[light].profile_end * f32(PROFILE_VALUES - 1u);
+    if place > f32(PROFILE_VALUES - 1u) + 1e-3 {
+        return 0.0;
+    }
+    let first = min(u32(place), PROFILE_VALUES - 2u);
+    return mix(profile_value(light, first), profile_value(light, first + 1u), place - f32(first));
 }
 
 // A light as a surface sees it; the sides of a distant one keep its solid angle.

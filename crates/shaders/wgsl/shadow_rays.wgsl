@@ -36,10 +36,12 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let least_penumbra = LEAST_PENUMBRA * f32(view.point_lists[0].sampling) * sample_extent_at(position_world);
     for (var i = 0u; i < rays; i++) {
         let place = textureLoad(light_points, vec2u((first + i) % LIGHT_POINTS, row), 0).xy;
-        let direction = outline * vec3f(1.0, place);
+        var direction = outline * vec3f(1.0, place);
         var weight = max(dot(n, direction), 0.0) * inverseSqrt(dot(direction, direction));
         if !is_distant {
             weight = irradiance_weight(outline, n, place);
+            // To the same place of the light: a ray that ends behind it meets what the light hangs on.
+            direction += position_world - origin;
         }
         weights += weight;
         if weight > 0.0 && dot(normal_world, direction) > 0.0 {

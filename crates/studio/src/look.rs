@@ -13,7 +13,7 @@ use gnomon_renderer::{
     Background, DisplaySettings, LightPaths, LightingSettings, MeasureSettings, RenderSettings,
     TechniqueSettings,
 };
-use gnomon_scene::{Camera, Ground, ReflectanceSettings};
+use gnomon_scene::{CAMERA_HEIGHT, Camera, Emission, Ground, ReflectanceSettings};
 use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
 use serde::{Deserialize, Serialize};
 
@@ -127,7 +127,13 @@ settings! {
     /// What is added to a scene, and how its files are meant.
     pub struct SceneLook in SCENE {
         /// What lies under the models: under their lowest point, over the whole of the clip that plays.
-        ground: Ground = Ground::None, choice(Ground::choices).varies("plane for OBJ, PLY and STL files, none for others");
+        ground: Ground = Ground::None, choice(Ground::choices).varies("fade for glTF, OBJ, PLY and STL files that bring no ground, none for others");
+        /// Height of the environment's camera over a projected ground: what is seen in the environment straight below it lies there.
+        ground_camera_height: f32 = CAMERA_HEIGHT, number(1e-6, 1e6).unit("m").only_for("ground", &["projected"]);
+        /// What becomes of surfaces that emit light: of 32 flat parts at most.
+        emission: Emission = Emission::Lights, choice(Emission::choices);
+        /// Factor of the light of the scene's own lights, those of glTF files in candela and lux; 0 leaves them out.
+        lamp_strength: f32 = 1.0, number(0.0, 1e6);
         /// Material variant of glTF models that is shown, by its name.
         variant: Option<String> = None, text().automatic("each model's own materials", 0.0);
         /// The axis that points up in files that do not say: OBJ, PLY and STL.

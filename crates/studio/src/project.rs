@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{Given, Options};
 use gnomon_renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
-use gnomon_scene::{Ground, ReflectanceSettings, Scene, builtin};
+use gnomon_scene::{Emission, Ground, ReflectanceSettings, Scene, builtin};
 use gnomon_scene_files::{
     Axes, ENVIRONMENT_KEYS, FileResolver, LoadOptions, LoadedScene, load, load_from, read_sections,
 };
@@ -97,6 +97,9 @@ pub struct Project {
 #[serde(default)]
 struct Sections {
     bump_scale: Option<f32>,
+    ground_camera_height: Option<f32>,
+    lamp_strength: Option<f32>,
+    emission: Option<Emission>,
     paper: Paper,
     #[serde(deserialize_with = "Given::deserialize::<FitSettings, _>")]
     fit: Given,
@@ -161,8 +164,9 @@ impl Project {
             SceneSource::File(path) => read_sections::<Sections>(path, &FileResolver)?,
             SceneSource::Files(files) => read_sections::<Sections>(files.path(), files.resolver())?,
         };
-        let Sections { bump_scale, paper, fit, render, display, animation, environment, surface } =
-            sections.unwrap_or_default();
+        let sections = sections.unwrap_or_default();
+        let of_scene = sections.of_scene(SceneLook::default());
+        let Sections { paper, fit, render, display, animation, environment, surface, .. } = sections;
         let folder = match &source {
             SceneSource::Builtin(_) | SceneSource::Made(_) => None,
             SceneSource::File(path) => path.parent(),
@@ -184,8 +188,7 @@ impl Project {
                 None => look.reflectance = Some(reflectance),
             }
         }
-        look.scene = SceneLook::default();
-        look.scene.bump_scale = bump_scale.unwrap_or(look.scene.bump_scale);
+        look.scene = of_scene;
         look.scene.check()?;
         given.apply(&mut look.scene);
         let asked = look.scene.axes();
@@ -205,6 +208,19 @@ impl Project {
         // What the environment brings gives way, too.
         [&environment, &display, given].into_iter().for_each(|given| given.apply(&mut look));
         Ok(Self { source, scene, look, brings_environment })
+    }
+}
+
+impl Sections {
+    /// A look with what they say of the scene.
+    fn of_scene(&self, look: SceneLook) -> SceneLook {
+        SceneLook {
+            bump_scale: self.bump_scale.unwrap_or(look.bump_scale),
+            ground_camera_height: self.ground_camera_height.unwrap_or(look.ground_camera_height),
+            lamp_strength: self.lamp_strength.unwrap_or(look.lamp_strength),
+            emission: self.emission.unwrap_or(look.emission),
+            ..look
+        }
     }
 }
 

@@ -52,9 +52,12 @@ struct SurfaceTable<'a> {
 }
 
 /// Keys of a scene file that [`LookTables`] replaces.
-const REPLACED: [&str; 12] = [
+const REPLACED: [&str; 15] = [
     "bump_scale",
+    "emission",
     "ground",
+    "ground_camera_height",
+    "lamp_strength",
     "variant",
     "up",
     "unit",
@@ -196,10 +199,12 @@ fn read_tables(path: &Path, text: &str, place: &Place<'_>) -> Result<Table, Stud
             StudioError::Request(format!("{} is no scene file any more: {words}", path.display()))
         })?;
     let own = path.parent().unwrap_or(Path::new(""));
-    let models = tables.get_mut("model").and_then(Value::as_array_mut);
-    for model in models.into_iter().flatten().filter_map(Value::as_table_mut) {
-        if let Some(Value::String(file)) = model.get_mut("file") {
-            *file = place.name(&own.join(&*file))?;
+    for (table, key) in [("model", "file"), ("light", "profile")] {
+        let entries = tables.get_mut(table).and_then(Value::as_array_mut);
+        for entry in entries.into_iter().flatten().filter_map(Value::as_table_mut) {
+            if let Some(Value::String(file)) = entry.get_mut(key) {
+                *file = place.name(&own.join(&*file))?;
+            }
         }
     }
     Ok(tables)

@@ -6,7 +6,7 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 use gnomon_envmap::Equirect;
 use gnomon_options::Options;
 use gnomon_renderer::Reflections;
-use gnomon_scene::{Bounds, Camera, Scene, camera_around};
+use gnomon_scene::{Bounds, Camera, Emission, Scene, camera_around};
 
 use crate::environment::{FitScene, Surroundings, surroundings_of};
 use crate::look::{AnimationLook, CameraLook};
@@ -95,14 +95,21 @@ impl Loaded {
         for height in scene.materials.iter_mut().filter_map(|material| material.height.as_mut()) {
             height.scale *= look.scene.bump_scale;
         }
+        for light in &mut scene.lights {
+            light.radiance *= look.scene.lamp_strength;
+        }
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
-        scene.add_ground_under(look.scene.ground, reach);
+        scene.add_ground_under(look.scene.ground, look.scene.ground_camera_height, reach);
         let count = scene.materials.len();
         for (&index, settings) in &look.surfaces {
             let material = scene.materials.get_mut(index).ok_or_else(|| {
                 StudioError::Request(format!("there is no material {index}: the scene has {count}, from 0"))
             })?;
             settings.apply(&mut material.surface);
+        }
+        // Last: it adds materials, and looks know those before by their numbers.
+        if look.scene.emission == Emission::Lights {
+            scene.light_emission();
         }
         Ok(scene)
     }

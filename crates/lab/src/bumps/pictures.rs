@@ -37,7 +37,7 @@ fn add_lamp(view: &mut View) {
     view.scene.nodes.push(Node { parent_from_node, ..Node::default() });
     let node = NodeId(view.scene.nodes.len() - 1);
     let shape = AreaLightShape::Disk { radius: 0.2 };
-    view.scene.lights.push(AreaLight { node, shape, radiance: Vec3::splat(8.0) });
+    view.scene.lights.push(AreaLight { node, shape, radiance: Vec3::splat(8.0), spread: Default::default() });
 }
 
 fn dimmed(environment: &Environment) -> Environment {

@@ -82,5 +82,5 @@ pub(super) fn add_light(scene: &mut Scene, (place, shape, radiance): (Affine3A, 
     let node = NodeId(scene.nodes.len());
     let name = "lamp".to_owned();
     scene.nodes.push(Node { name, parent_from_node: place, ..Node::default() });
-    scene.lights.push(AreaLight { node, shape, radiance });
+    scene.lights.push(AreaLight { node, shape, radiance, spread: Default::default() });
 }

@@ -281,7 +281,12 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
             AlphaMode::Blend => layout::ALPHA_BLENDS,
         },
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
-        catches: u32::from(material.catches),
+        shines: u32::from(material.shines),
+        catches: match (material.catches, material.fade) {
+            (false, _) => layout::CATCHES_NOT,
+            (true, None) => layout::CATCHES,
+            (true, Some(_)) => layout::CATCHES_FADING,
+        },
         model: surface.model as u32,
         shape: if shared { 1.0 } else { shape },
         roughness: if shared { shape } else { 1.0 },

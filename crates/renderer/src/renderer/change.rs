@@ -3,7 +3,7 @@
 use glam::Quat;
 use gnomon_brdf::Surface;
 use gnomon_lights::LightSet;
-use gnomon_scene::{PlacedLight, Scene};
+use gnomon_scene::{PlacedFade, PlacedLight, Scene};
 
 use super::state::{EnvironmentGroups, Lit, Surroundings};
 use super::{ModelPasses, Renderer, Target};
@@ -75,6 +75,8 @@ struct NextScene {
     geometry: Option<NextGeometry>,
     materials: Option<NextMaterials>,
     near_lights: Option<Vec<PlacedLight>>,
+    /// Whether it has a ground that fades, and where.
+    ground: Option<Option<PlacedFade>>,
     surfaces: Option<Vec<Surface>>,
     heights: Option<Vec<MaterialHeights>>,
 }
@@ -269,7 +271,7 @@ impl Renderer {
         let moves = placed.is_none() || !matches!(change, SceneChange::Materials(_));
         let looks_different = placed.is_none() || !matches!(change, SceneChange::Pose(_));
         let (gpu, passes) = (&self.gpu, &self.passes);
-        let mut next = NextScene::default();
+        let mut next = NextScene { ground: Some(scene.placed_fade()), ..NextScene::default() };
         if moves {
             next.near_lights = Some(scene.placed_lights());
             next.geometry = Some(match placed {
@@ -320,7 +322,7 @@ impl Renderer {
             // Made again for what asks for them.
             self.seen = None;
         }
-        let NextScene { geometry, materials, near_lights, surfaces, heights } = scene;
+        let NextScene { geometry, materials, near_lights, ground, surfaces, heights } = scene;
         let mut refit = geometry.is_some();
         match geometry {
             Some(NextGeometry::New(geometry)) => {
@@ -355,6 +357,7 @@ impl Renderer {
         if let Some(near_lights) = near_lights {
             self.near_lights = near_lights;
         }
+        self.ground = ground.unwrap_or(self.ground);
         if let Some(surfaces) = surfaces {
             self.surfaces = surfaces;
         }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::Mat4;
+use glam::{Mat4, Vec2, Vec3};
 use gnomon_picture::tonemap::ToneMapping;
 use gnomon_scene::Camera;
 use gnomon_shaders::layout;
@@ -317,6 +317,9 @@ impl Renderer {
             residual_sh: lit.lighting.residual_sh,
             full_sh: lit.lighting.full_sh,
             environment_from_world,
+            ground_center: self.ground.map_or(Vec3::ZERO, |ground| ground.center),
+            ground_camera_height: self.ground.map_or(0.0, |ground| ground.camera_height),
+            ground_fade: self.ground.map_or(Vec2::new(0.0, 1.0), |ground| Vec2::new(ground.from, ground.to)),
         }
     }
 

@@ -37,6 +37,18 @@ fn form_factors() {
 }
 
 #[test]
+fn shares_of_spots() {
+    let cone = |u: Vec4, _| {
+        let outer = 0.1 + 1.4 * u.y;
+        let cone = gnomon_scene::Spread::Cone { inner: u.z * outer, outer }.cone();
+        [Vec4::new(2.0 * u.x - 1.0, cone.x, cone.y, 0.0), Vec4::ZERO]
+    };
+    compare("cone_share", "vec4f(cone_share(a.x, a.yz), 0.0, 0.0, 0.0)", SHADER_TWIN, cone, |[a, _]| {
+        scalar(gnomon_scene::cone_share(a.x, Vec2::new(a.y, a.z)))
+    });
+}
+
+#[test]
 fn flat_disk_form_factors() {
     // Across, above and below the horizon; from close by to five radii away.
     let center = "vec3f(a.x * 2.0 - 1.0, a.y * 2.0 - 1.0, a.z * 2.0 + 0.05)";

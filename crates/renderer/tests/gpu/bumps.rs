@@ -109,7 +109,12 @@ fn bumps_under_a_lamp_are_those_of_the_traced_height_field() {
     let parent_from_node = Affine3A::from_mat3_translation(down, Vec3::new(-1.0, 1.2, -0.6));
     scene.nodes.push(Node { parent_from_node, ..Node::default() });
     let shape = AreaLightShape::Disk { radius: 0.3 };
-    scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: Vec3::splat(5.0) });
+    scene.lights.push(AreaLight {
+        node: NodeId(scene.nodes.len() - 1),
+        shape,
+        radiance: Vec3::splat(5.0),
+        spread: Default::default(),
+    });
     let dark = LightSet::new("test", Vec::new(), no_light());
     let Some(errors) = errors(&scene, &no_light(), &dark, "lamp") else { return };
     check(errors, "lamp");

@@ -1,13 +1,13 @@
 //! A ground that is only seen by the shadows on it, against the ray tracer's.
 
 use crate::common::*;
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use gnomon_lights::FitOptions;
 use gnomon_metrics::compare;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, render_with_alpha};
 use gnomon_renderer::{Background, RenderSettings, Renderer};
-use gnomon_scene::{Camera, Ground, Material, builtin};
+use gnomon_scene::{AreaLight, AreaLightShape, Camera, Ground, Material, Node, NodeId, builtin};
 use gnomon_testing::tolerances;
 
 const SIZE: [u32; 2] = [96, 72];
@@ -38,12 +38,40 @@ fn a_catcher_without_shadows_is_not_seen() {
     assert!(error < 2e-3 && most < 4e-3, "{error} {most}");
 }
 
-/// Before the environment, and laid over it by its alpha. `GNOMON_PICTURES=folder` keeps the pictures.
 #[test]
 fn a_catcher_is_as_dark_as_ray_traced() {
+    is_as_ray_traced(Ground::Catcher);
+}
+
+#[test]
+fn a_ground_fades_as_ray_traced() {
+    is_as_ray_traced(Ground::Fade);
+}
+
+#[test]
+fn a_ground_is_projected_as_ray_traced() {
+    is_as_ray_traced(Ground::Projected);
+}
+
+/// Before the environment, and laid over it by its alpha. `GNOMON_PICTURES=folder` keeps the pictures.
+fn is_as_ray_traced(ground: Ground) {
     let Some(gpu) = gpu_or_skip() else { return };
-    let mut scene = builtin::by_name("three-boxes").unwrap();
-    scene.add_ground(Ground::Catcher);
+    let mut scene = match ground {
+        Ground::Catcher => builtin::by_name("three-boxes").unwrap(),
+        _ => builtin::without_ground("three-boxes").unwrap(),
+    };
+    scene.add_ground(ground);
+    if ground == Ground::Fade {
+        // Its light ends with the ground.
+        let direction = Affine3A::from_rotation_x(-0.9);
+        scene.nodes.push(Node { parent_from_node: direction, ..Node::default() });
+        scene.lights.push(AreaLight {
+            node: NodeId(scene.nodes.len() - 1),
+            shape: AreaLightShape::Sun { angular_radius: 0.1 },
+            radiance: Vec3::new(9.0, 12.0, 18.0),
+            spread: Default::default(),
+        });
+    }
     let camera = &scene.cameras[0];
     let map = gnomon_envmap::builtin::sized("sky", 256, 128).unwrap();
     let options =
@@ -70,7 +98,7 @@ fn a_catcher_is_as_dark_as_ray_traced() {
     if let Some(folder) = std::env::var_os("GNOMON_PICTURES") {
         let folder = std::path::Path::new(&folder);
         for (what, picture) in [("drawn", &drawn), ("composite", &composite), ("truth", &truth)] {
-            gnomon_picture::write(folder.join(format!("catcher_{what}.png")), picture).unwrap();
+            gnomon_picture::write(folder.join(format!("{ground:?}_{what}.png")), picture).unwrap();
         }
     }
     let error = |picture: &RgbImage| compare(picture, &truth, None).unwrap().relative_rmse;
@@ -79,10 +107,15 @@ fn a_catcher_is_as_dark_as_ray_traced() {
     let pairs = frame.alpha.iter().zip(&true_alpha);
     let square: f64 = pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum();
     let alpha = (square / frame.alpha.len() as f64).sqrt();
-    println!("over the map {drawn:.4}, by alpha {composite:.4}, alpha itself {alpha:.4}");
+    println!("{ground:?}: over the map {drawn:.4}, by alpha {composite:.4}, alpha itself {alpha:.4}");
     assert!(drawn < tolerances::CATCHER_RELATIVE_RMSE, "{drawn}");
     assert!(composite < tolerances::CATCHER_RELATIVE_RMSE, "{composite}");
     assert!(alpha < tolerances::CATCHER_RELATIVE_RMSE, "{alpha}");
+    // Of what is projected the alpha knows nothing: it is a picture of the map itself that is another.
+    if ground == Ground::Projected {
+        assert!(error(&behind) > 3.0 * drawn);
+        return;
+    }
     // It is seen, and hides nothing where no shadow falls.
     assert!(error(&behind) > 3.0 * drawn);
     assert!(frame.alpha.iter().any(|alpha| (0.2..0.9).contains(alpha)));

@@ -291,6 +291,7 @@ fn layers_of_lights_add_up_to_the_picture() {
         node: NodeId(3),
         shape: AreaLightShape::Sphere { radius: 0.05 },
         radiance: Vec3::new(30.0, 20.0, 10.0),
+        spread: Default::default(),
     });
     let camera = &cameras()[0];
     let map = gnomon_envmap::builtin::sized("room", 128, 64).unwrap();

@@ -64,7 +64,12 @@ fn with_lamps(count: usize) -> Scene {
             ..Node::default()
         });
         let shape = AreaLightShape::Disk { radius: 0.2 };
-        scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: Vec3::ONE });
+        scene.lights.push(AreaLight {
+            node: NodeId(scene.nodes.len() - 1),
+            shape,
+            radiance: Vec3::ONE,
+            spread: Default::default(),
+        });
     }
     scene
 }

@@ -10,7 +10,10 @@ use gnomon_metrics::{compare, penumbra};
 use gnomon_picture::RgbImage;
 use gnomon_reference::ReferenceOptions;
 use gnomon_renderer::{Gpu, RenderError, RenderSettings, Renderer, composite, shadow};
-use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Projection, Scene, builtin};
+use gnomon_scene::{
+    AreaLight, AreaLightShape, Camera, Material, MaterialId, Mesh, Node, NodeId, Profile, Projection, Scene,
+    Spread, builtin,
+};
 use gnomon_testing::tolerances;
 
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
@@ -18,7 +21,12 @@ const DISK: AreaLightShape = AreaLightShape::Disk { radius: 0.2 };
 
 fn add_light(scene: &mut Scene, shape: AreaLightShape, parent_from_node: Affine3A) {
     scene.nodes.push(Node { parent_from_node, ..Node::default() });
-    scene.lights.push(AreaLight { node: NodeId(scene.nodes.len() - 1), shape, radiance: RADIANCE });
+    scene.lights.push(AreaLight {
+        node: NodeId(scene.nodes.len() - 1),
+        shape,
+        radiance: RADIANCE,
+        spread: Default::default(),
+    });
 }
 
 /// Facing down, the width along x.
@@ -92,6 +100,10 @@ fn irradiance_on_the_open_plane_has_its_closed_form() {
             (AreaLightShape::Sphere { radius: 0.4 }, Affine3A::from_translation(aside)),
             PI * 0.16 / aside.length_squared() * height / aside.length(),
         ),
+        (
+            (AreaLightShape::Sun { angular_radius: 0.05 }, facing(aside, Vec3::ZERO)),
+            PI * 0.05_f32.sin().powi(2) * height / aside.length(),
+        ),
     ];
     for (shadows, _) in shadow::names() {
         let mut renderer = unlit_renderer(&gpu, shadows);
@@ -106,6 +118,57 @@ fn irradiance_on_the_open_plane_has_its_closed_form() {
             println!("{shadows} {shape:?}: off by {error}");
             assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{shadows} {shape:?}: {seen} {expected}");
         }
+    }
+}
+
+/// Half way between the angles of inner and outer cone, by cosine, a spot has a quarter of its intensity; outside it has none.
+#[test]
+fn spots_fall_off_as_khr_lights_punctual_has_it() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (radius, height) = (0.01_f32, 2.0_f32);
+    let floor = horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0);
+    for (shadows, _) in shadow::names() {
+        let mut renderer = unlit_renderer(&gpu, shadows);
+        for (angle, share) in [(0.0_f32, 1.0), (0.2, 1.0), (0.55_f32.acos(), 0.25), (1.2, 0.0)] {
+            let mut scene = scene_of(vec![floor.clone()], lambert(1.0));
+            // As far from the place that is looked at, which lies in that direction from the front.
+            let turned = Affine3A::from_translation(Vec3::Y * height) * Affine3A::from_rotation_z(angle);
+            add_light(&mut scene, AreaLightShape::Sphere { radius }, turned * facing_down(Vec3::ZERO));
+            scene.lights[0].spread = Spread::Cone { inner: 0.7_f32.acos(), outer: 0.4_f32.acos() };
+            renderer.set_scene(&scene).unwrap();
+            let seen = renderer.render(&downward(0.1, 1e-3), 3, 3).unwrap().radiance.get(1, 1);
+            let intensity = RADIANCE * PI * radius * radius;
+            let expected = share * intensity / (height * height) / PI;
+            let error = ((seen - expected) / (intensity / (height * height) / PI)).abs().max_element();
+            println!("{shadows} {angle}: off by {error}");
+            assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{shadows} {angle}: {seen} {expected}");
+        }
+    }
+}
+
+/// A profile that falls from the front to 80 degrees as the square of what is left.
+#[test]
+fn profiles_give_each_angle_its_intensity() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (radius, height, last) = (0.01_f32, 2.0_f32, 80_f32.to_radians());
+    let profile = Profile::new(last, |angle| (1.0 - angle / last).powi(2)).unwrap();
+    let floor = horizontal(Vec2::splat(-3.0), Vec2::splat(3.0), 0.0);
+    let mut renderer = unlit_renderer(&gpu, "none");
+    for angle in [0.0_f32, 0.21, 0.5, 0.9, 1.3, 1.5] {
+        let mut scene = scene_of(vec![floor.clone()], lambert(1.0));
+        let turned = Affine3A::from_translation(Vec3::Y * height) * Affine3A::from_rotation_z(angle);
+        add_light(&mut scene, AreaLightShape::Sphere { radius }, turned * facing_down(Vec3::ZERO));
+        scene.lights[0].spread = Spread::Profile(profile);
+        renderer.set_scene(&scene).unwrap();
+        let seen = renderer.render(&downward(0.1, 1e-3), 3, 3).unwrap().radiance.get(1, 1);
+        let whole = RADIANCE * radius * radius / (height * height);
+        let share = (1.0 - angle / last).max(0.0).powi(2);
+        let error = (seen / whole - share).abs().max_element();
+        println!("{angle}: {} of {share}", seen.x / whole.x);
+        // A parabola between 24 places is off by a quarter of the square of half a step.
+        assert!(error <= tolerances::OPEN_PLANE_IRRADIANCE, "{angle}: {} {share}", seen / whole);
+        // The same on the CPU.
+        assert!((profile.share(angle.cos()) - seen.x / whole.x).abs() < 1e-3);
     }
 }
 
@@ -187,8 +250,13 @@ fn lamps_over_three_boxes_match_ray_tracing() {
         ("disk", DISK),
         ("rectangle", AreaLightShape::Rectangle { size: Vec2::new(0.6, 0.3) }),
         ("sphere", AreaLightShape::Sphere { radius: 0.2 }),
+        ("spot", AreaLightShape::Sphere { radius: 0.2 }),
+        ("sun", AreaLightShape::Sun { angular_radius: 0.06 }),
     ] {
-        let scene = lamp_over_boxes(shape);
+        let mut scene = lamp_over_boxes(shape);
+        if name == "spot" {
+            scene.lights[0].spread = Spread::Cone { inner: 0.25, outer: 0.6 };
+        }
         let camera = &scene.cameras[0];
         let options =
             ReferenceOptions { width: size[0], height: size[1], samples_per_pixel: 64, ..Default::default() };
@@ -214,6 +282,56 @@ fn lamps_over_three_boxes_match_ray_tracing() {
         // A planted fault: no shadows at all.
         assert!(none > 2.0 * tolerances::LAMP_RELATIVE_RMSE, "{name}: {none}");
     }
+}
+
+/// A panel that glows over the boxes, in front of a metal floor: its light, its shadows and its reflection, and the panel itself.
+#[test]
+fn a_glowing_panel_lights_as_ray_traced() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut scene = builtin::by_name("three-boxes").unwrap();
+    let glow = Material { emissive: Vec3::new(6.0, 4.0, 2.0), ..lambert(0.2) };
+    scene.materials.push(glow);
+    let panel = Mesh {
+        material: Some(MaterialId(scene.materials.len() - 1)),
+        ..horizontal(Vec2::new(-0.5, -0.3), Vec2::new(0.5, 0.3), 0.0)
+    };
+    let node = scene.push_mesh("panel", panel);
+    // Its front, which looks up, is turned towards the boxes.
+    let place = facing(Vec3::new(-1.3, 1.5, 0.9), Vec3::new(0.0, 0.3, 0.0));
+    scene.nodes[node.0].parent_from_node = place * Affine3A::from_rotation_x(-0.5 * PI);
+    let seen_alone = scene.clone();
+    scene.light_emission();
+    assert_eq!(scene.placed_lights().len(), 1);
+    let towards = (Vec3::new(0.0, 0.3, 0.0) - Vec3::new(-1.3, 1.5, 0.9)).normalize();
+    assert!(scene.placed_lights()[0].normal.dot(towards) > 0.999, "{:?}", scene.placed_lights());
+    let camera = &scene.cameras[0];
+    let options = ReferenceOptions { width: 120, height: 90, samples_per_pixel: 1024, ..Default::default() };
+    let truth = gnomon_reference::render(&scene, camera, &no_light(), &options).unwrap().mean;
+    let error = |shadows: &str, scene: &Scene| {
+        let settings = settings(shadows).with(|s| s.techniques.supersample = 2);
+        let seen = render(&gpu, settings, scene, &no_light(), &dark_set(), camera, [120, 90]).radiance;
+        if let Some(folder) = std::env::var_os("GNOMON_PICTURES") {
+            let folder = std::path::Path::new(&folder);
+            gnomon_picture::write(folder.join("panel_truth.exr"), &truth).unwrap();
+            gnomon_picture::write(folder.join("panel_seen.exr"), &seen).unwrap();
+        }
+        // The panel's own edges are not what this is about.
+        let [seen, truth] =
+            [&seen, &truth].map(|image| RgbImage::from_fn(92, 90, |x, y| image.get(x + 28, y)));
+        compare(&seen, &truth, None).unwrap().relative_rmse
+    };
+    let dark = error("rays", &seen_alone);
+    println!("panel: without its light {dark:.4}");
+    for (shadows, _) in shadow::names() {
+        let lit = error(shadows, &scene);
+        println!("panel {shadows}: {lit:.4}");
+        if ["rays", "wedges"].contains(&shadows) {
+            assert!(lit <= tolerances::LAMP_RELATIVE_RMSE, "{shadows}: {lit}");
+        }
+        // None takes the panel for what blocks its own light, so near to what it lights as it is.
+        assert!(lit < 0.4 * dark, "{shadows}: {lit}");
+    }
+    assert!(dark > 2.0 * tolerances::LAMP_RELATIVE_RMSE, "{dark}");
 }
 
 /// The lamp's light comes on top of the environment's, whatever the compositing rule.

@@ -63,6 +63,7 @@ fn shadow(gpu: &Gpu, shadows: &str, scene: &Scene, near: bool) -> RgbImage {
             node: NodeId(scene.nodes.len() - 1),
             shape,
             radiance: Vec3::splat(100.0),
+            spread: Default::default(),
         });
         gnomon_lights::LightSet::new("none", Vec::new(), no_light())
     } else {

@@ -23,6 +23,7 @@ fn add_disk(scene: &mut Scene, radius: f32, height: f32) {
         node: NodeId(scene.nodes.len() - 1),
         shape,
         radiance: Vec3::splat(4.0 / radius),
+        spread: Default::default(),
     });
 }
 

@@ -73,7 +73,9 @@ impl Lamp {
                         let seen = radius * near.sqrt();
                         flat(near * to_center, seen * a, seen * b, true)
                     }
-                    AreaLightShape::Disk { .. } => flat(to_center, half.x * Vec3::X, half.y * Vec3::Z, true),
+                    AreaLightShape::Disk { .. } | AreaLightShape::Sun { .. } => {
+                        flat(to_center, half.x * Vec3::X, half.y * Vec3::Z, true)
+                    }
                     AreaLightShape::Rectangle { .. } => {
                         flat(to_center, half.x * Vec3::X, half.y * Vec3::Z, false)
                     }
@@ -97,7 +99,7 @@ impl Lamp {
         let parent_from_node = Affine3A::from_mat3_translation(down, center);
         scene.nodes.push(Node { parent_from_node, ..Node::default() });
         let node = NodeId(scene.nodes.len() - 1);
-        scene.lights.push(AreaLight { node, shape, radiance: Vec3::ONE });
+        scene.lights.push(AreaLight { node, shape, radiance: Vec3::ONE, spread: Default::default() });
     }
 }
 

@@ -23,6 +23,7 @@ mod document;
 mod draco;
 mod extensions;
 mod instancing;
+mod lights;
 mod materials;
 mod meshes;
 mod meshopt;
@@ -76,7 +77,7 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
         }
     }
     origin::recenter(&root, &order, &places.cameras, &mut scene);
-    Ok(source.loaded(scene, Ground::None))
+    Ok(source.loaded(scene, Ground::Fade))
 }
 
 /// Names of the file's material variants, in its order.

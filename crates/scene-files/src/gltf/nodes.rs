@@ -6,9 +6,9 @@ use gnomon_scene::{Node, NodeId, Scene};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
-use super::schema::{Int, NodeEntry, Root};
+use super::schema::{Int, LightReference, NodeEntry, Root};
 use super::skins::Skins;
-use super::{Budget, Fault, cameras, get, instancing};
+use super::{Budget, Fault, cameras, get, instancing, lights};
 use crate::LoadOptions;
 
 /// A node of the file and its place in the hierarchy.
@@ -173,6 +173,16 @@ pub fn read(
                 let label = format!("node {}", place.node);
                 let places = instancing::read(instancing, accessors, &label, budget, &mut scene.warnings)?;
                 copies.extend(instancing::copies(&mut node, NodeId(number), places, budget)?);
+            }
+        }
+        if let Some(LightReference { light: Int(light) }) =
+            entry.extensions.light.as_ref().filter(|_| is_shown)
+        {
+            let lights = root.extensions.lights.as_ref().map_or(&[][..], |extension| &extension.lights);
+            let entry = get(lights, *light, "light", &format!("node {}", place.node))?;
+            match lights::light(entry, NodeId(number)) {
+                Ok(light) => scene.lights.push(light),
+                Err(why) => scene.warnings.push(format!("light {light} is left out: {why}")),
             }
         }
         if let Some(Int(camera)) = entry.camera.filter(|_| place.is_shown) {

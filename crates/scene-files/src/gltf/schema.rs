@@ -82,6 +82,33 @@ pub struct Root {
 pub struct RootExtensions {
     #[serde(rename = "KHR_materials_variants")]
     pub variants: Option<Variants>,
+    #[serde(rename = "KHR_lights_punctual")]
+    pub lights: Option<Lights>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Lights {
+    #[serde(default)]
+    pub lights: Vec<LightEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct LightEntry {
+    pub color: Option<[f32; 3]>,
+    pub intensity: Option<f32>,
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub spot: Option<SpotEntry>,
+    /// The application's own; anything may stand there.
+    #[serde(default)]
+    pub extras: serde_json::Value,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SpotEntry {
+    pub inner_cone_angle: Option<f32>,
+    pub outer_cone_angle: Option<f32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -125,6 +152,13 @@ pub struct NodeExtensions {
     pub instancing: Option<Instancing>,
     #[serde(rename = "KHR_node_visibility")]
     pub visibility: Option<Visibility>,
+    #[serde(rename = "KHR_lights_punctual")]
+    pub light: Option<LightReference>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct LightReference {
+    pub light: Int,
 }
 
 #[derive(Debug, Deserialize)]

@@ -59,6 +59,12 @@ super::constants! {
     pub const ROLE_LIGHT: u32 = 0;
     /// [`Light::role`] of a light that only tells how much of the sky is open.
     pub const ROLE_PROBE: u32 = 1;
+    /// [`Light::role`] of a distant light of the scene's own: it is no part of the environment's light.
+    pub const ROLE_SUN: u32 = 2;
+    /// A flat light gives nothing to what is nearer to its plane than this share of its smaller half side: `gnomon_scene::FLAT_CLEARANCE`.
+    pub const FLAT_CLEARANCE: f32 = 3e-4;
+    /// Values of [`Light::profile`].
+    pub const PROFILE_VALUES: u32 = 24;
     /// Most lights of a batch: what fits into the 64 KiB that every adapter allows a uniform buffer.
     pub const MAX_BATCH_LIGHTS: u32 = 160;
     /// [`Batch::flags`]: nothing has been summed before.
@@ -133,6 +139,12 @@ super::structs! {
         pub full_sh: [Vec4; 9],
         /// Rotation of directions: the environment's maps and coefficients stay as they are when it turns.
         pub environment_from_world: Mat4,
+        /// Middle of the ground that fades [m].
+        pub ground_center: Vec3,
+        /// Height of the environment's camera over it; 0 for one with a colour of its own [m].
+        pub ground_camera_height: f32,
+        /// Distances from the middle between which it fades [m].
+        pub ground_fade: Vec2,
     }
 
     /// Shading points that some lights are summed at. A list takes the sums of the one before over and adds its own lights.
@@ -215,6 +227,14 @@ super::structs! {
         pub vector_irradiance: Vec3,
         /// Place in the frame's list of lights, whatever batch it is in.
         pub number: u32,
+        /// Of a light in the scene, unit: the middle of what it sends its light to.
+        pub front: Vec3,
+        /// The last angle of its profile; 0 where it has none [rad].
+        pub profile_end: f32,
+        /// Shares of its radiance by the angle with its front, four a vector, see `profile_share`.
+        pub profile: [Vec4; 6],
+        /// What of its radiance it has in a direction: factor and summand of the cosine in `cone_share`.
+        pub cone: Vec2,
     }
 
     /// A batch of lights whose maps are held together.

@@ -26,6 +26,12 @@ super::constants! {
     pub const TEXTURE_EMISSIVE: u32 = 6;
     /// [`MaterialTexture::kind`]: slopes of heights along u and v, and the means of their squares.
     pub const TEXTURE_HEIGHT: u32 = 7;
+    /// [`Material::catches`]: it is a surface as any other.
+    pub const CATCHES_NOT: u32 = 0;
+    /// [`Material::catches`]: it shows what is behind the scene everywhere.
+    pub const CATCHES: u32 = 1;
+    /// [`Material::catches`]: it is the ground that fades.
+    pub const CATCHES_FADING: u32 = 2;
     /// [`ReliefMap::shape`]: ellipses.
     pub const RELIEF_ELLIPSES: u32 = 0;
     /// [`ReliefMap::shape`]: horizons in eight azimuths.
@@ -97,13 +103,15 @@ super::structs! {
         pub end_texture: u32,
         /// 1 where vertex colours multiply the emission, else 0.
         pub emissive_vertex_colors: u32,
-        /// 1 where it shows what is behind the scene, darkened by shadows.
+        /// Whether it shows what is behind the scene, darkened by shadows: a CATCHES constant.
         pub catches: u32,
         /// Of its heights: metres over the map's width and height for a slope of 1 in the texture.
         pub height_slope: Vec2,
         /// Factor of the roughness that textures multiply, where [`Material::shape`] leaves it to them: bumps may make a surface rougher than
         /// its own.
         pub roughness: f32,
+        /// 1 where lights of the scene stand for its emission.
+        pub shines: u32,
     }
 
     /// What is prepared of a material's heights.
