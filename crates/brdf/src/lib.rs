@@ -9,6 +9,7 @@
 
 mod area;
 mod dfg;
+mod finish;
 mod frame;
 mod fresnel;
 mod ggx;
@@ -23,6 +24,9 @@ mod torrance_sparrow;
 
 pub use area::{LightPatch, erf, gaussian_interval, gaussian_patch};
 pub use dfg::{dfg, dfg_table};
+pub use finish::{
+    Finish, SeenFinish, coat_share, finish_light, finish_pdf, finish_sample, finish_strength, finish_value,
+};
 pub use frame::Frame;
 pub use fresnel::{METALS, Metal, f_exact, f_schlick, f0_from_ior};
 pub use ggx::{

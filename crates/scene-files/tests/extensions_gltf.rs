@@ -26,7 +26,7 @@ fn extensions_that_only_add_are_accepted_with_a_word() {
     for (name, words) in [
         ("KHR_lights_punctual", "its lights are left out"),
         ("KHR_materials_transmission", "shown opaque"),
-        ("KHR_materials_clearcoat", "clear coats are not drawn"),
+        ("KHR_materials_volume", "not drawn"),
     ] {
         for key in ["extensionsUsed", "extensionsRequired"] {
             let scene = read(&triangle(|d| d[key] = json!([name]))).scene;
@@ -34,7 +34,12 @@ fn extensions_that_only_add_are_accepted_with_a_word() {
             assert!(warning.starts_with(name) && warning.contains(words), "{key}: {warning}");
         }
     }
-    let silent = ["KHR_materials_unlit", "KHR_materials_variants", "EXT_mesh_gpu_instancing"];
+    let silent = [
+        "KHR_materials_unlit",
+        "KHR_materials_clearcoat",
+        "KHR_materials_variants",
+        "EXT_mesh_gpu_instancing",
+    ];
     assert!(read(&triangle(|d| d["extensionsRequired"] = json!(silent))).scene.warnings.is_empty());
     let basisu = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
     let document = triangle(|d| {
@@ -67,6 +72,28 @@ fn what_is_not_lit_emits_its_color_and_reflects_nothing() {
     assert!(point.surface.is_matte());
     assert_eq!(scene.materials[0].base_color_texture, None);
     assert!(unlit("MASK").materials[0].base_color_texture.is_some());
+}
+
+#[test]
+fn a_clear_coat_has_its_own_textures() {
+    let mut document = with_material(json!({"extensions": {"KHR_materials_clearcoat": {
+        "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.8, "clearcoatTexture": {"index": 0},
+        "clearcoatRoughnessTexture": {"index": 0}, "clearcoatNormalTexture": {"index": 0, "scale": 0.5}
+    }}}));
+    document["images"] = json!([{"uri": pixel([51, 102, 255, 255])}]);
+    document["textures"] = json!([{"source": 0}]);
+    let scene = read(&document).scene;
+    let surface = scene.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).surface;
+    assert!((surface.clearcoat - 0.1).abs() < 1e-6 && (surface.clearcoat_roughness - 0.32).abs() < 1e-6);
+    assert_eq!(scene.materials[0].clearcoat_normal_scale, 0.5);
+    // What has no strength has no textures, and damaged numbers are taken at the end of their range.
+    let coat = |factors: Value| {
+        let scene = read(&with_material(json!({"extensions": {"KHR_materials_clearcoat": factors}}))).scene;
+        let surface = scene.materials[0].surface;
+        [surface.clearcoat, surface.clearcoat_roughness]
+    };
+    assert_eq!(coat(json!({})), [0.0, 0.0]);
+    assert_eq!(coat(json!({"clearcoatFactor": 7, "clearcoatRoughnessFactor": -1})), [1.0, 0.0]);
 }
 
 #[test]

@@ -103,6 +103,14 @@ pub struct Material {
     pub specular_texture: Option<TextureRef>,
     /// sRGB: specular tint.
     pub specular_color_texture: Option<TextureRef>,
+    /// Linear: strength of the clear coat in R.
+    pub clearcoat_texture: Option<TextureRef>,
+    /// Linear: roughness of the clear coat in G.
+    pub clearcoat_roughness_texture: Option<TextureRef>,
+    /// Linear: tangent-space normal of the clear coat, which `normal_texture` does not bend.
+    pub clearcoat_normal_texture: Option<TextureRef>,
+    /// Scale of its x and y.
+    pub clearcoat_normal_scale: f32,
     /// Emitted radiance, linear.
     pub emissive: Vec3,
     /// sRGB: multiplies `emissive`.
@@ -133,6 +141,10 @@ impl Default for Material {
             height: None,
             specular_texture: None,
             specular_color_texture: None,
+            clearcoat_texture: None,
+            clearcoat_roughness_texture: None,
+            clearcoat_normal_texture: None,
+            clearcoat_normal_scale: 1.0,
             emissive: Vec3::ZERO,
             emissive_texture: None,
             emissive_vertex_colors: false,
@@ -153,20 +165,24 @@ impl Material {
         self.surface.tables().map(Arc::new).or_else(|| self.tables.clone())
     }
 
-    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map.
+    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map, else of its coat's.
     pub fn tangent_set(&self) -> Option<usize> {
         let needs_tangent = self.surface.model.needs_tangent();
-        self.normal_texture.map(|texture| texture.set).or(needs_tangent.then_some(0))
+        let normals = self.normal_texture.or(self.clearcoat_normal_texture);
+        normals.map(|texture| texture.set).or(needs_tangent.then_some(0))
     }
 
     /// Every place for a texture.
-    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 6] {
+    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 9] {
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.specular_texture,
             &mut self.specular_color_texture,
+            &mut self.clearcoat_texture,
+            &mut self.clearcoat_roughness_texture,
+            &mut self.clearcoat_normal_texture,
             &mut self.emissive_texture,
         ]
     }

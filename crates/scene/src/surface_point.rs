@@ -18,6 +18,8 @@ pub struct SurfacePoint {
     pub shading_normal: Vec3,
     /// Interpolated vertex normal.
     pub smooth_normal: Vec3,
+    /// Normal of the clear coat: the interpolated vertex normal, bent by the coat's own normal map.
+    pub coat_normal: Vec3,
     /// Interpolated tangent with the bitangent's sign in w; zero where the mesh has none.
     pub tangent: Vec4,
     /// Normal of the triangle's plane; the shading normal where the triangle has no area.
@@ -87,6 +89,12 @@ impl Scene {
         if let Some(texture) = material.specular_color_texture {
             surface.specular_color *= self.srgb(texture, uvs).truncate();
         }
+        if let Some(texture) = material.clearcoat_texture {
+            surface.clearcoat *= self.linear(texture, uvs).x;
+        }
+        if let Some(texture) = material.clearcoat_roughness_texture {
+            surface.clearcoat_roughness *= self.linear(texture, uvs).y;
+        }
         let mut emissive = material.emissive;
         if let Some(texture) = material.emissive_texture {
             emissive *= self.srgb(texture, uvs).truncate();
@@ -112,10 +120,16 @@ impl Scene {
             let texel = self.linear(texture, uvs).truncate();
             shading_normal = perturb_normal(smooth, tangent, texel, material.normal_scale);
         }
+        let mut coat_normal = smooth;
+        if let (Some(texture), false) = (material.clearcoat_normal_texture, tangents.is_empty()) {
+            let texel = self.linear(texture, uvs).truncate();
+            coat_normal = perturb_normal(smooth, tangent, texel, material.clearcoat_normal_scale);
+        }
         SurfacePoint {
             surface,
             shading_normal,
             smooth_normal: smooth,
+            coat_normal,
             tangent,
             geometric_normal: plane.unwrap_or(smooth),
             uvs,

@@ -44,7 +44,7 @@ fn light(
         let scattered = arrives * lights[light].radiance * scattered_light(light, relief, surface);
         var specular = vec3f(0.0);
         let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && lights[light].kind == KIND_DISTANT;
-        if form_factor > 0.0 && has_lobe(surface.lobe) && !is_traced {
+        if form_factor > 0.0 && has_gloss(surface) && !is_traced {
             specular = light_specular(light, surface) * lights[light].radiance;
         }
         if lights[light].kind == KIND_DISTANT {

@@ -72,6 +72,9 @@ fn textures(material: &Material) -> impl Iterator<Item = (u32, TextureUse, Place
         (layout::TEXTURE_SPECULAR, data, material.specular_texture),
         (layout::TEXTURE_SPECULAR_COLOR, colors, material.specular_color_texture),
         (layout::TEXTURE_EMISSIVE, colors, material.emissive_texture),
+        (layout::TEXTURE_CLEARCOAT, data, material.clearcoat_texture),
+        (layout::TEXTURE_CLEARCOAT_ROUGHNESS, data, material.clearcoat_roughness_texture),
+        (layout::TEXTURE_CLEARCOAT_NORMAL, data, material.clearcoat_normal_texture),
     ];
     let pictures = places.into_iter().filter_map(|(kind, used, reference)| {
         let TextureRef { texture, uv_from_mesh, set } = reference?;
@@ -260,6 +263,7 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
         // Nothing glossy without tables, as on the CPU.
         surface = Surface { model: Model::Lambert, ..surface }.of_its_model();
     }
+    let finish = surface.finish();
     let height_slope = material.height.map_or(Vec2::ZERO, |height| {
         let map = &scene.height_maps[height.map.0];
         height.scale * height_range(map) * UVec2::from(map.size()).as_vec2()
@@ -286,6 +290,9 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
         shape: if shared { 1.0 } else { shape },
         roughness: if shared { shape } else { 1.0 },
         height_slope,
+        clearcoat: finish.clearcoat,
+        clearcoat_roughness: finish.clearcoat_roughness,
+        clearcoat_normal_scale: material.clearcoat_normal_scale,
         ..Default::default()
     }
 }

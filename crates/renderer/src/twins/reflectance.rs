@@ -3,7 +3,10 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4};
-use gnomon_brdf::{Frame, LightPatch, Lobe, Model, Surface, Tables};
+use gnomon_brdf::{
+    Frame, LightPatch, Lobe, Model, SeenFinish, Surface, Tables, coat_share, finish_light, finish_pdf,
+    finish_sample, finish_value,
+};
 use gnomon_testing::tolerances::SHADER_TWIN;
 use gnomon_testing::{glossy_surface, tabulated_surfaces};
 
@@ -95,6 +98,43 @@ fn lobes_over_area_lights() {
                 lobe.over_light(wo, &light).extend(0.0)
             });
         }
+    }
+}
+
+/// What lies on a base, along its normal and away from it.
+fn finishes() -> [(SeenFinish, String); 2] {
+    [(0.4, Vec3::Z), (0.7, Vec3::new(0.3, -0.2, 0.9).normalize())].map(|(coat_roughness, coat_normal)| {
+        let finish = SeenFinish { base: 0.8, coat: 0.2, coat_roughness, coat_normal };
+        let Vec3 { x, y, z } = coat_normal;
+        (finish, format!("Finish(0.8, 0.2, {coat_roughness:?}, vec3f({x:?}, {y:?}, {z:?}))"))
+    })
+}
+
+#[test]
+fn values_and_samples_of_finishes() {
+    for (finish, text) in finishes() {
+        let body = format!(
+            "vec4f(finish_value({text}, a.xyz, b.xyz) * b.z, finish_pdf({text}, a.xyz, b.xyz) * length(a.xyz + b.xyz))"
+        );
+        compare("brdf_finish", &body, TOLERANCE, directions, |[a, b]| {
+            let (wo, wi) = (a.truncate(), b.truncate());
+            (finish_value(&finish, wo, wi) * wi.z).extend(finish_pdf(&finish, wo, wi) * (wo + wi).length())
+        });
+        let body = format!("vec4f(finish_sample({text}, a.xyz, vec2f(a.w, b.w)), coat_share(a.w, b.w))");
+        compare("brdf_finish", &body, TOLERANCE, directions, |[a, b]| {
+            finish_sample(&finish, a.truncate(), Vec2::new(a.w, b.w)).extend(coat_share(a.w, b.w))
+        });
+        let body = format!(
+            "vec4f(finish_light({text}, a.xyz, LightPatch(b.xyz, 0.1 * frame_from_normal(b.xyz).t, \
+             0.2 * frame_from_normal(b.xyz).b, false)), 0.0)"
+        );
+        compare("brdf_finish", &body, TOLERANCE, directions, |[a, b]| {
+            let direction = b.truncate();
+            let frame = Frame::from_normal(direction);
+            let (half_width, half_height) = (0.1 * frame.t, 0.2 * frame.b);
+            let light = LightPatch { direction, half_width, half_height, is_disk: false };
+            finish_light(&finish, a.truncate(), &light).extend(0.0)
+        });
     }
 }
 

@@ -16,6 +16,7 @@ mod copies;
 mod debug_views;
 mod embedding;
 mod filters;
+mod finish;
 mod gloss;
 mod layers;
 mod level_of_detail;

@@ -6,12 +6,13 @@ use super::schema::Root;
 use crate::error::Fault;
 
 /// Extensions that are read.
-const READ: [&str; 17] = [
+const READ: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
@@ -28,10 +29,9 @@ const READ: [&str; 17] = [
 ];
 
 /// Extensions without which the model is still itself, and what is not drawn. Files that require them are shown so, too.
-const PLAIN: [(&str, &str); 10] = [
+const PLAIN: [(&str, &str); 9] = [
     ("KHR_lights_punctual", "its lights are left out"),
     ("KHR_materials_anisotropy", "highlights are round"),
-    ("KHR_materials_clearcoat", "clear coats are not drawn"),
     ("KHR_materials_diffuse_transmission", "no light comes through"),
     ("KHR_materials_dispersion", "light is not split into colours"),
     ("KHR_materials_iridescence", "thin films are not drawn"),

@@ -98,6 +98,17 @@ fn material(
         );
         material.specular_color_texture = texture(&specular.specular_color_texture, scene)?;
     }
+    if let Some(coat) = &entry.extensions.clearcoat {
+        material.surface.clearcoat = coat.clearcoat_factor.map_or(0.0, unit);
+        material.surface.clearcoat_roughness = coat.clearcoat_roughness_factor.map_or(0.0, unit);
+        if material.surface.clearcoat > 0.0 {
+            material.clearcoat_texture = texture(&coat.clearcoat_texture, scene)?;
+            material.clearcoat_roughness_texture = texture(&coat.clearcoat_roughness_texture, scene)?;
+            material.clearcoat_normal_texture = texture(&coat.clearcoat_normal_texture, scene)?;
+            let scale = coat.clearcoat_normal_texture.as_ref().and_then(|info| info.scale);
+            material.clearcoat_normal_scale = scale.filter(|scale| scale.is_finite()).unwrap_or(1.0);
+        }
+    }
     if let Some(ior) = entry.extensions.ior.as_ref().and_then(|extension| extension.ior) {
         // 0 has a meaning of its own in KHR_materials_ior: full reflection.
         if ior == 0.0 || (ior >= 1.0 && ior.is_finite()) {
@@ -170,6 +181,10 @@ fn unlit(lit: Material) -> Material {
         height: None,
         specular_texture: None,
         specular_color_texture: None,
+        clearcoat_texture: None,
+        clearcoat_roughness_texture: None,
+        clearcoat_normal_texture: None,
+        surface: lit.surface.without_finish(),
         ..lit
     };
     material.surface.base_color = Vec3::ZERO;

@@ -26,6 +26,12 @@ super::constants! {
     pub const TEXTURE_EMISSIVE: u32 = 6;
     /// [`MaterialTexture::kind`]: slopes of heights along u and v, and the means of their squares.
     pub const TEXTURE_HEIGHT: u32 = 7;
+    /// [`MaterialTexture::kind`]: R, multiplies the strength of the clear coat.
+    pub const TEXTURE_CLEARCOAT: u32 = 8;
+    /// [`MaterialTexture::kind`]: G, multiplies the roughness of the clear coat.
+    pub const TEXTURE_CLEARCOAT_ROUGHNESS: u32 = 9;
+    /// [`MaterialTexture::kind`]: RGB, the normal of the clear coat in tangent space.
+    pub const TEXTURE_CLEARCOAT_NORMAL: u32 = 10;
     /// [`ReliefMap::shape`]: ellipses.
     pub const RELIEF_ELLIPSES: u32 = 0;
     /// [`ReliefMap::shape`]: horizons in eight azimuths.
@@ -104,6 +110,12 @@ super::structs! {
         /// Factor of the roughness that textures multiply, where [`Material::shape`] leaves it to them: bumps may make a surface rougher than
         /// its own.
         pub roughness: f32,
+        /// Strength of the clear coat; 0 is none.
+        pub clearcoat: f32,
+        /// Its roughness.
+        pub clearcoat_roughness: f32,
+        /// Strength of its normal map.
+        pub clearcoat_normal_scale: f32,
     }
 
     /// What is prepared of a material's heights.

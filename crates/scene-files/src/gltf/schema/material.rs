@@ -56,6 +56,8 @@ pub struct MetallicRoughness {
 
 #[derive(Debug, Default, Deserialize)]
 pub struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_clearcoat")]
+    pub clearcoat: Option<Clearcoat>,
     #[serde(rename = "KHR_materials_specular")]
     pub specular: Option<Specular>,
     #[serde(rename = "KHR_materials_ior")]
@@ -85,6 +87,16 @@ pub struct Specular {
     pub specular_texture: Option<TextureInfo>,
     pub specular_color_factor: Option<[f32; 3]>,
     pub specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Clearcoat {
+    pub clearcoat_factor: Option<f32>,
+    pub clearcoat_texture: Option<TextureInfo>,
+    pub clearcoat_roughness_factor: Option<f32>,
+    pub clearcoat_roughness_texture: Option<TextureInfo>,
+    pub clearcoat_normal_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -147,6 +159,7 @@ impl MaterialEntry {
         let pbr = &self.pbr_metallic_roughness;
         let specular = self.extensions.specular.as_ref();
         let gloss = self.extensions.specular_glossiness.as_ref();
+        let coat = self.extensions.clearcoat.as_ref();
         let infos = [
             pbr.base_color_texture.as_ref(),
             gloss.and_then(|gloss| gloss.diffuse_texture.as_ref()),
@@ -156,6 +169,9 @@ impl MaterialEntry {
             self.emissive_texture.as_ref(),
             specular.and_then(|specular| specular.specular_texture.as_ref()),
             specular.and_then(|specular| specular.specular_color_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_roughness_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_normal_texture.as_ref()),
         ];
         infos.into_iter().flatten()
     }
