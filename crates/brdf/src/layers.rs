@@ -35,7 +35,7 @@ pub struct Sample {
 }
 
 /// Rec. 709 luminance weights, to choose between parts.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+pub(crate) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Least chance of a part that reflects anything, so that no direction of it is starved of samples.
 const MIN_PROBABILITY: f32 = 0.1;

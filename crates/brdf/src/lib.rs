@@ -18,6 +18,7 @@ mod lobe;
 mod model;
 mod parameter;
 mod sampling;
+mod sheen;
 mod surface;
 pub mod tables;
 mod torrance_sparrow;
@@ -41,6 +42,9 @@ pub use model::torrance_sparrow_gaussian::{d_gaussian, gaussian_masking_slope, g
 pub use model::{Model, ReflectanceModel};
 pub use parameter::*;
 pub use sampling::sample_cosine_hemisphere;
+pub use sheen::{
+    MIN_SHEEN_ROUGHNESS, d_charlie, lambda_charlie, sheen_albedo, sheen_light, sheen_sample, sheen_value,
+};
 pub use surface::Surface;
 pub use tables::Tables;
 pub use torrance_sparrow::{g1_smith_beckmann, v_smith_beckmann};

@@ -110,5 +110,8 @@ parameter!(color AXES axes, None, "Weights of a cosine lobe's axes; -1/-1/1 is P
 parameter!(number CLEARCOAT clearcoat, "Strength of a clear coat over the model", UNIT, UNIT, 1.0);
 parameter!(number CLEARCOAT_ROUGHNESS clearcoat_roughness, "Perceptual roughness of the clear coat", UNIT, UNIT, 0.05);
 
+parameter!(color SHEEN_COLOR sheen_color, None, "Sheen of cloth over the model", UNIT, UNIT, 1.0);
+parameter!(number SHEEN_ROUGHNESS sheen_roughness, "Perceptual roughness of the sheen", UNIT, UNIT, 0.5);
+
 /// Parameters of what lies on the base: they concern every model.
-pub static FINISH: &[&Parameter] = &[&CLEARCOAT, &CLEARCOAT_ROUGHNESS];
+pub static FINISH: &[&Parameter] = &[&CLEARCOAT, &CLEARCOAT_ROUGHNESS, &SHEEN_COLOR, &SHEEN_ROUGHNESS];

@@ -1,6 +1,8 @@
 use glam::Vec3;
 
-use crate::{CLEARCOAT, CLEARCOAT_ROUGHNESS, Finish, Layers, Lobe, Model, Tables, f0_from_ior};
+use crate::{
+    CLEARCOAT, CLEARCOAT_ROUGHNESS, Finish, Layers, Lobe, Model, SHEEN_ROUGHNESS, Tables, f0_from_ior,
+};
 
 /// What reflectance models need to know of a surface point: glTF's metallic-roughness parameters with `KHR_materials_specular`, and
 /// those of the models that glTF does not have. Every model takes those that concern it ([`Model::parameters`]).
@@ -40,6 +42,10 @@ pub struct Surface {
     pub clearcoat: f32,
     /// `clearcoatRoughnessFactor`, 0..1.
     pub clearcoat_roughness: f32,
+    /// `sheenColorFactor` of `KHR_materials_sheen`: sheen of cloth between coat and model, black for none.
+    pub sheen_color: Vec3,
+    /// `sheenRoughnessFactor`, 0..1.
+    pub sheen_roughness: f32,
 }
 
 impl Surface {
@@ -69,8 +75,8 @@ impl Surface {
     /// The same without what lies on its base.
     #[must_use]
     pub fn without_finish(&self) -> Self {
-        let Self { clearcoat, clearcoat_roughness, .. } = Self::default();
-        Self { clearcoat, clearcoat_roughness, ..*self }
+        let Self { clearcoat, clearcoat_roughness, sheen_color, sheen_roughness, .. } = Self::default();
+        Self { clearcoat, clearcoat_roughness, sheen_color, sheen_roughness, ..*self }
     }
 
     /// What lies on its base, the coat along the normal of the base.
@@ -79,6 +85,8 @@ impl Surface {
             clearcoat: CLEARCOAT.clamped(self),
             clearcoat_roughness: CLEARCOAT_ROUGHNESS.clamped(self),
             clearcoat_normal: Vec3::Z,
+            sheen_color: self.sheen_color.max(Vec3::ZERO).min(Vec3::ONE),
+            sheen_roughness: SHEEN_ROUGHNESS.clamped(self),
         }
     }
 
@@ -128,6 +136,8 @@ impl Default for Surface {
             axes: Vec3::new(-1.0, -1.0, 1.0),
             clearcoat: 0.0,
             clearcoat_roughness: 0.0,
+            sheen_color: Vec3::ZERO,
+            sheen_roughness: 0.0,
         }
     }
 }

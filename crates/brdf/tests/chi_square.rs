@@ -116,7 +116,10 @@ fn samples_of_finished_surfaces_follow_the_pdf() {
     let coat = Surface { clearcoat: 1.0, clearcoat_roughness: 0.4, ..base };
     let lambert = Surface { model: Model::Lambert, ..coat };
     let metal = Surface { metallic: 1.0, ..coat };
-    for (index, (surface, tilt)) in [(coat, 0.0), (lambert, 0.0), (metal, 0.3)].into_iter().enumerate() {
+    let cloth = Surface { sheen_color: Vec3::ONE, sheen_roughness: 0.4, clearcoat: 0.0, ..lambert };
+    let both = Surface { sheen_color: Vec3::ONE, sheen_roughness: 0.4, ..metal };
+    let cases = [(coat, 0.0), (lambert, 0.0), (metal, 0.3), (cloth, 0.0), (both, 0.2)];
+    for (index, (surface, tilt)) in cases.into_iter().enumerate() {
         let mut layers = surface.layers();
         layers.finish.clearcoat_normal = direction(tilt, 1.0);
         for theta in [0.2, 1.2] {

@@ -1,5 +1,10 @@
 //! What lies on the base of a surface, against the extensions' formulas and the laws of energy.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests and their helpers fail by panicking"
+)]
 
 mod support;
 
@@ -74,7 +79,7 @@ fn nothing_changes_without_a_finish() {
     let (wo, wi) = (direction(0.7, 0.0), direction(0.4, 2.0));
     assert_eq!(surface.layers().evaluate(wo, wi), same.layers().evaluate(wo, wi));
     assert_eq!(surface.layers().pdf(wo, wi), same.layers().pdf(wo, wi));
-    assert_eq!(Surface { clearcoat: 1.0, ..surface }.without_finish(), surface);
+    assert_eq!(Surface { clearcoat: 1.0, sheen_color: Vec3::ONE, ..surface }.without_finish(), surface);
 }
 
 /// A white matte base: the coat gives back less than it takes from it, by the split sum's loss alone.
@@ -113,6 +118,97 @@ fn a_tilted_coat_gains_nothing() {
             let wo = direction(theta, 0.0);
             let albedo = directional_albedo(|wi| f64::from(layers.evaluate(wo, wi).x));
             assert!((0.6..=1.01).contains(&albedo), "{tilt} {theta}: {albedo}");
+        }
+    }
+}
+
+/// `KHR_materials_sheen`, sections "Sheen distribution" and "Sheen visibility", written out in 64 bits.
+fn sheen(roughness: f64, wo: [f64; 3], wi: [f64; 3]) -> f64 {
+    let alpha = roughness * roughness;
+    let h = [0, 1, 2].map(|i| wo[i] + wi[i]);
+    let cos2_h = h[2] * h[2] / h.iter().map(|x| x * x).sum::<f64>();
+    let d = (2.0 + 1.0 / alpha) * (1.0 - cos2_h).powf(0.5 / alpha) / (2.0 * PI);
+    let t = (1.0 - alpha) * (1.0 - alpha);
+    let mix = |x: f64, y: f64| x * (1.0 - t) + y * t;
+    let l = |x: f64| {
+        mix(21.5473, 25.3245) / (1.0 + mix(3.82987, 3.32435) * x.powf(mix(0.19823, 0.16801)))
+            + mix(-1.97760, -1.27393) * x
+            + mix(-4.32054, -4.85967)
+    };
+    let lambda = |c: f64| if c < 0.5 { l(c).exp() } else { (2.0 * l(0.5) - l(1.0 - c)).exp() };
+    d / ((1.0 + lambda(wo[2]) + lambda(wi[2])) * 4.0 * wo[2] * wi[2])
+}
+
+/// Share of uniform light that white sheen reflects, by quadrature with points towards the horizon.
+fn sheen_albedo_truth(n_dot_v: f64, roughness: f64) -> f64 {
+    let wo = [(1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v];
+    let steps = [600, 300];
+    let mut sum = 0.0;
+    for i in 0..steps[0] {
+        let rim = 1.0 - (i as f64 + 0.5) / steps[0] as f64;
+        let theta = FRAC_PI_2 * (1.0 - rim * rim);
+        for j in 0..steps[1] {
+            let phi = (j as f64 + 0.5) * PI / steps[1] as f64;
+            let wi = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
+            sum += sheen(roughness, wo, wi) * wi[2] * theta.sin() * 2.0 * rim;
+        }
+    }
+    sum * FRAC_PI_2 / steps[0] as f64 * TAU / steps[1] as f64
+}
+
+#[test]
+fn the_albedo_of_sheen_is_that_of_quadrature() {
+    let mut worst = 0.0f64;
+    for roughness in [0.1, 0.13, 0.2, 0.35, 0.5, 0.7, 0.9, 1.0] {
+        for n_dot_v in [0.002, 0.01, 0.03, 0.07, 0.15, 0.3, 0.5, 0.75, 0.98] {
+            let truth = sheen_albedo_truth(n_dot_v, roughness);
+            let error = (f64::from(sheen_albedo(n_dot_v as f32, roughness as f32)) - truth).abs();
+            assert!(error < 6e-3, "{roughness} {n_dot_v}: {error} of {truth}");
+            worst = worst.max(error);
+        }
+    }
+    println!("albedo of sheen: worst error {worst:.1e}");
+}
+
+#[test]
+fn sheen_is_the_extensions() {
+    for roughness in [0.2f32, 0.5, 1.0] {
+        let base = Surface { base_color: Vec3::splat(0.3), ..Surface::default() };
+        let color = Vec3::new(0.8, 0.4, 0.1);
+        let cloth = Surface { sheen_color: color, sheen_roughness: roughness, ..base };
+        for (theta, phi) in [(0.1, 0.5), (0.7, 3.0), (1.3, 2.0), (1.45, 0.1)] {
+            let (wo, wi) = (direction(0.8, 0.0), direction(theta, phi));
+            let own = sheen(f64::from(roughness), wo.as_dvec3().into(), wi.as_dvec3().into()) as f32;
+            let scaling = 1.0 - 0.8 * sheen_albedo_truth(f64::from(wo.z), f64::from(roughness)) as f32;
+            let expected = scaling * base.layers().evaluate(wo, wi) + own * color;
+            let found = cloth.layers().evaluate(wo, wi);
+            assert!(
+                found.distance(expected) < 4e-3 * expected.length() + 1e-3,
+                "{roughness}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// A white base under white sheen gives back all it gets, at most 1 % more, under a coat as well.
+#[test]
+fn a_furnace_of_sheen_is_white() {
+    for (clearcoat, least) in [(0.0, 0.99), (1.0, 0.5)] {
+        for sheen_roughness in [0.0, 0.15, 0.3, 0.6, 1.0] {
+            let surface = Surface {
+                model: Model::Lambert,
+                base_color: Vec3::ONE,
+                sheen_color: Vec3::ONE,
+                sheen_roughness,
+                clearcoat,
+                clearcoat_roughness: 0.6,
+                ..Surface::default()
+            };
+            for theta in [0.0, 0.6, 1.2, 1.45, 1.54] {
+                let (layers, wo) = (surface.layers(), direction(theta, 0.0));
+                let albedo = directional_albedo(|wi| f64::from(layers.evaluate(wo, wi).x));
+                assert!((least..=1.01).contains(&albedo), "{sheen_roughness} {theta}: {albedo}");
+            }
         }
     }
 }

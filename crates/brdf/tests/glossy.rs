@@ -154,6 +154,8 @@ fn the_parameters_that_a_model_lists_are_those_that_it_reads() {
         &AXES,
         &CLEARCOAT,
         &CLEARCOAT_ROUGHNESS,
+        &SHEEN_COLOR,
+        &SHEEN_ROUGHNESS,
     ];
     for &model in Model::ALL {
         let surface = Surface { model, specular: 0.5, metallic: 0.3, roughness: 0.5, ..Surface::default() };

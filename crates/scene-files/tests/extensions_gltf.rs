@@ -37,6 +37,7 @@ fn extensions_that_only_add_are_accepted_with_a_word() {
     let silent = [
         "KHR_materials_unlit",
         "KHR_materials_clearcoat",
+        "KHR_materials_sheen",
         "KHR_materials_variants",
         "EXT_mesh_gpu_instancing",
     ];
@@ -94,6 +95,35 @@ fn a_clear_coat_has_its_own_textures() {
     };
     assert_eq!(coat(json!({})), [0.0, 0.0]);
     assert_eq!(coat(json!({"clearcoatFactor": 7, "clearcoatRoughnessFactor": -1})), [1.0, 0.0]);
+}
+
+#[test]
+fn sheen_has_its_own_textures_but_under_a_coat() {
+    let open = |clearcoat: f32| {
+        let mut document = with_material(json!({"extensions": {
+            "KHR_materials_clearcoat": {"clearcoatFactor": clearcoat},
+            "KHR_materials_sheen": {
+                "sheenColorFactor": [1, 0.5, 0], "sheenRoughnessFactor": 0.5,
+                "sheenColorTexture": {"index": 0}, "sheenRoughnessTexture": {"index": 0}
+            }
+        }}));
+        document["images"] = json!([{"uri": pixel([188, 188, 0, 51])}]);
+        document["textures"] = json!([{"source": 0}]);
+        read(&document).scene
+    };
+    for (clearcoat, warnings) in [(0.0, 0), (0.5, 1)] {
+        let scene = open(clearcoat);
+        assert_eq!(scene.warnings.len(), warnings, "{:?}", scene.warnings);
+        assert_eq!(scene.materials[0].has_sheen_textures(), clearcoat == 0.0);
+        let surface = scene.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).surface;
+        // sRGB 188 is 0.503 in linear light.
+        assert!(
+            surface.sheen_color.distance(Vec3::new(0.503, 0.2515, 0.0)) < 1e-3,
+            "{}",
+            surface.sheen_color
+        );
+        assert!((surface.sheen_roughness - 0.1).abs() < 1e-6);
+    }
 }
 
 #[test]

@@ -111,6 +111,10 @@ pub struct Material {
     pub clearcoat_normal_texture: Option<TextureRef>,
     /// Scale of its x and y.
     pub clearcoat_normal_scale: f32,
+    /// sRGB: sheen colour.
+    pub sheen_color_texture: Option<TextureRef>,
+    /// Linear: roughness of the sheen in A.
+    pub sheen_roughness_texture: Option<TextureRef>,
     /// Emitted radiance, linear.
     pub emissive: Vec3,
     /// sRGB: multiplies `emissive`.
@@ -145,6 +149,8 @@ impl Default for Material {
             clearcoat_roughness_texture: None,
             clearcoat_normal_texture: None,
             clearcoat_normal_scale: 1.0,
+            sheen_color_texture: None,
+            sheen_roughness_texture: None,
             emissive: Vec3::ZERO,
             emissive_texture: None,
             emissive_vertex_colors: false,
@@ -172,8 +178,13 @@ impl Material {
         normals.map(|texture| texture.set).or(needs_tangent.then_some(0))
     }
 
+    /// Whether textures vary its sheen.
+    pub fn has_sheen_textures(&self) -> bool {
+        self.sheen_color_texture.or(self.sheen_roughness_texture).is_some()
+    }
+
     /// Every place for a texture.
-    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 9] {
+    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 11] {
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
@@ -183,6 +194,8 @@ impl Material {
             &mut self.clearcoat_texture,
             &mut self.clearcoat_roughness_texture,
             &mut self.clearcoat_normal_texture,
+            &mut self.sheen_color_texture,
+            &mut self.sheen_roughness_texture,
             &mut self.emissive_texture,
         ]
     }

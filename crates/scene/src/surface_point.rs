@@ -95,6 +95,12 @@ impl Scene {
         if let Some(texture) = material.clearcoat_roughness_texture {
             surface.clearcoat_roughness *= self.linear(texture, uvs).y;
         }
+        if let Some(texture) = material.sheen_color_texture {
+            surface.sheen_color *= self.srgb(texture, uvs).truncate();
+        }
+        if let Some(texture) = material.sheen_roughness_texture {
+            surface.sheen_roughness *= self.linear(texture, uvs).w;
+        }
         let mut emissive = material.emissive;
         if let Some(texture) = material.emissive_texture {
             emissive *= self.srgb(texture, uvs).truncate();

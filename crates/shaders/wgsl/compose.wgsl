@@ -51,14 +51,16 @@ struct Shaded {
     lit: vec3f,
 }
 
-// What a coat reflects of the ambient rest.
-fn coat_ambient(surface: Surface) -> vec3f {
+// What lies on the base reflects of the ambient rest; sheen is taken as matte.
+fn finish_ambient(surface: Surface) -> vec3f {
     let lobe = coat_lobe_of(surface);
     let n = coat_normal_of(surface);
     let n_dot_v = max(dot(n, surface.wo), 1e-4);
     let albedo = default_albedo(lobe, n_dot_v, environment_brdf(n_dot_v, lobe.shape));
     let level = prefiltered_level(alpha_from_roughness(lobe.shape), f32(textureNumLevels(prefiltered_residual) - 1u));
-    return equirect_lookup_level(prefiltered_residual, environment_direction(reflect(-surface.wo, n)), level) * albedo;
+    let coat = equirect_lookup_level(prefiltered_residual, environment_direction(reflect(-surface.wo, n)), level) * albedo;
+    let irradiance = max(sh_irradiance(view.residual_sh, environment_direction(surface.n)), vec3f(0.0));
+    return coat + sheen_albedo_of(surface) / PI * irradiance;
 }
 
 fn shade(surface: Surface, sums: LightSums) -> Shaded {
@@ -98,7 +100,7 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
         if !is_traced {
             ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
             if has_finish(surface) {
-                ambient_specular = base_share(surface) * ambient_specular + coat_ambient(surface);
+                ambient_specular = base_share(surface) * ambient_specular + finish_ambient(surface);
             }
         }
         let fit_specular = ambient_specular + sums.specular_unshadowed;

@@ -66,6 +66,10 @@ fn coat_lobe_of(surface: Surface) -> Lobe {
     return surface.lobe;
 }
 
+fn sheen_albedo_of(surface: Surface) -> vec3f {
+    return vec3f(0.0);
+}
+
 fn coat_normal_of(surface: Surface) -> vec3f {
     return surface.n;
 }

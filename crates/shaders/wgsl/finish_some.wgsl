@@ -12,14 +12,27 @@ struct SurfaceFinish {
 // Of a surface whose base has this lobe; `wo` in its tangent frame.
 fn finish_of(material: Material, packed: PackedSurface, lobe: Lobe, wo: vec3f) -> SurfaceFinish {
     let texels = unpack_coat(packed.finish);
-    var seen: Finish;
-    seen.coat_normal = vec3f(texels.zw, sqrt(max(1.0 - dot(texels.zw, texels.zw), 0.0)));
-    seen.coat_roughness = material.clearcoat_roughness * texels.y;
-    seen.coat = coat_share(material.clearcoat * texels.x, dot(seen.coat_normal, wo));
-    seen.base = 1.0 - seen.coat;
+    let coat_normal = vec3f(texels.zw, sqrt(max(1.0 - dot(texels.zw, texels.zw), 0.0)));
+    let coat = coat_share(material.clearcoat * texels.x, dot(coat_normal, wo));
+    var sheen = vec4f(1.0);
+    if material.has_sheen_textures != 0u {
+        sheen = unpack_sheen(packed.finish);
+    }
+    let seen = seen_finish(
+        coat,
+        material.clearcoat_roughness * texels.y,
+        coat_normal,
+        min(material.sheen_color * sheen.rgb, vec3f(1.0)),
+        material.sheen_roughness * sheen.a,
+        wo.z,
+    );
     // As often as the lobe: a coat reflects little, but the brightest lamps as sharp as no other part.
-    let chance = select(1.0, 0.5, has_lobe(lobe));
-    return SurfaceFinish(seen, select(0.0, chance, finish_strength(seen) > 0.0));
+    let own = f32(parts_of_finish(seen));
+    return SurfaceFinish(seen, own / max(own + select(0.0, 1.0, has_lobe(lobe)), 1.0));
+}
+
+fn parts_of_finish(seen: Finish) -> u32 {
+    return select(0u, 1u, seen.coat > 0.0) + select(0u, 1u, has_sheen(seen));
 }
 
 fn has_finish(surface: Surface) -> bool {
@@ -32,7 +45,7 @@ fn has_gloss(surface: Surface) -> bool {
 
 // How many glossy parts share the samples of a surface.
 fn glossy_parts(surface: Surface) -> u32 {
-    return select(1u, 2u, has_lobe(surface.lobe) && has_finish(surface));
+    return select(0u, 1u, has_lobe(surface.lobe)) + parts_of_finish(surface.finish.seen);
 }
 
 // Share of the light that the base gets.
@@ -95,7 +108,7 @@ fn sharpest_alpha(surface: Surface) -> f32 {
 fn widest_alpha(surface: Surface) -> f32 {
     let base = alpha_from_roughness(select(0.0, reflectance_equivalent_roughness(surface.lobe), has_lobe(surface.lobe)));
     let coat = alpha_from_roughness(select(0.0, surface.finish.seen.coat_roughness, surface.finish.seen.coat > 0.0));
-    return max(base, coat);
+    return max(max(base, coat), select(0.0, 1.0, has_sheen(surface.finish.seen)));
 }
 
 // The sharpest one's where no more is known of the surface.
@@ -108,6 +121,12 @@ fn sharpest_alpha_of(material: Material, packed: PackedSurface, lobe: Lobe) -> f
 // What reflects the ambient rest beside the lobe: a lobe, and the normal that it lies about.
 fn coat_lobe_of(surface: Surface) -> Lobe {
     return coat_lobe(surface.finish.seen);
+}
+
+// Albedo of the sheen.
+fn sheen_albedo_of(surface: Surface) -> vec3f {
+    let seen = surface.finish.seen;
+    return seen.sheen * sheen_albedo(dot(surface.n, surface.wo), seen.sheen_roughness);
 }
 
 fn coat_normal_of(surface: Surface) -> vec3f {

@@ -118,6 +118,7 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     packed.metallic = 1.0;
     var tilt = vec3f(0.0, 0.0, 1.0);
     var coat = vec2f(1.0);
+    var sheen = vec4f(1.0);
     var coat_tilt = vec3f(0.0, 0.0, 1.0);
     let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
     let facet = cross(across, down);
@@ -171,6 +172,12 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
             case TEXTURE_CLEARCOAT_NORMAL: {
                 coat_tilt = (2.0 * texel.xyz - 1.0) * vec3f(vec2f(material.clearcoat_normal_scale), 1.0);
             }
+            case TEXTURE_SHEEN_COLOR: {
+                sheen *= vec4f(texel.rgb, 1.0);
+            }
+            case TEXTURE_SHEEN_ROUGHNESS: {
+                sheen.a *= texel.a;
+            }
             case TEXTURE_EMISSIVE: {
                 packed.emission *= texel.rgb;
             }
@@ -201,7 +208,9 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     // The bitangent stays where it is when the normal turns.
     packed.frame = frame_from_tangent(normal * turn, vec4f(surface.tangent_world.xyz, surface.tangent_world.w * turn));
     coat_normal *= select(-1.0, 1.0, dot(coat_normal, geometric_normal) >= 0.0);
-    if material.clearcoat > 0.0 {
+    if material.has_sheen_textures != 0u {
+        packed.finish = pack_sheen(sheen.rgb, sheen.a);
+    } else if material.clearcoat > 0.0 {
         // Bumps bend the coat with them.
         let is_bumpy = any(material.height_slope != vec2f(0.0));
         let tilt = select(local_from_world(packed.frame, coat_normal).xy, vec2f(0.0), is_bumpy);

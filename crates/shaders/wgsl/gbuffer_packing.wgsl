@@ -11,7 +11,7 @@ struct PackedSurface {
     geometric_normal: vec3f,
     // Number of the material, below 65536.
     material: u32,
-    // What textures say of what lies on the base: `pack_coat`.
+    // What textures say of what lies on the base: `pack_coat`, or `pack_sheen` of a material with such textures.
     finish: u32,
     base_color: vec3f,
     emission: vec3f,
@@ -86,6 +86,16 @@ fn pack_coat(clearcoat: f32, roughness: f32, tilt: vec2f) -> u32 {
 fn unpack_coat(word: u32) -> vec4f {
     let roots = vec2f(vec2u(word, word >> 6u) & vec2u(63u)) / 63.0;
     return vec4f(roots * roots, unpack_signed_root(word >> 12u), unpack_signed_root(word >> 22u));
+}
+
+// What textures multiply colour (roots) and roughness of the sheen with.
+fn pack_sheen(color: vec3f, roughness: f32) -> u32 {
+    return pack4x8unorm(vec4f(sqrt(saturate(color)), roughness));
+}
+
+fn unpack_sheen(word: u32) -> vec4f {
+    let roots = unpack4x8unorm(word);
+    return vec4f(roots.rgb * roots.rgb, roots.a);
 }
 
 // Normals, tangent and material, and what lies on the base.

@@ -75,6 +75,8 @@ fn textures(material: &Material) -> impl Iterator<Item = (u32, TextureUse, Place
         (layout::TEXTURE_CLEARCOAT, data, material.clearcoat_texture),
         (layout::TEXTURE_CLEARCOAT_ROUGHNESS, data, material.clearcoat_roughness_texture),
         (layout::TEXTURE_CLEARCOAT_NORMAL, data, material.clearcoat_normal_texture),
+        (layout::TEXTURE_SHEEN_COLOR, colors, material.sheen_color_texture),
+        (layout::TEXTURE_SHEEN_ROUGHNESS, data, material.sheen_roughness_texture),
     ];
     let pictures = places.into_iter().filter_map(|(kind, used, reference)| {
         let TextureRef { texture, uv_from_mesh, set } = reference?;
@@ -293,6 +295,9 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
         clearcoat: finish.clearcoat,
         clearcoat_roughness: finish.clearcoat_roughness,
         clearcoat_normal_scale: material.clearcoat_normal_scale,
+        sheen_color: finish.sheen_color,
+        sheen_roughness: finish.sheen_roughness,
+        has_sheen_textures: u32::from(material.has_sheen_textures() && finish.clearcoat == 0.0),
         ..Default::default()
     }
 }

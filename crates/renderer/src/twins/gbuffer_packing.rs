@@ -3,8 +3,8 @@
 use glam::{UVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
 use gnomon_brdf::Frame;
 use gnomon_shaders::twin::gbuffer_packing::{
-    PackedSurface, pack_coat, pack_geometry, pack_normal, pack_reflectance, pack_rgb9e5, unpack_coat,
-    unpack_normal, unpack_rgb9e5, unpack_surface,
+    PackedSurface, pack_coat, pack_geometry, pack_normal, pack_reflectance, pack_rgb9e5, pack_sheen,
+    unpack_coat, unpack_normal, unpack_rgb9e5, unpack_sheen, unpack_surface,
 };
 
 use super::{compare, unit_vector};
@@ -77,6 +77,14 @@ fn material_and_finish() {
         let halves = [found.finish & 0xffff, found.finish >> 16].map(|half| half as f32 / 65535.0);
         Vec2::from(halves).extend(found.material as f32).extend(0.0)
     });
+}
+
+#[test]
+fn sheens() {
+    let body = "unpack_sheen(pack_sheen(a.xyz, a.w))";
+    let input = |u: Vec4, _| [u, Vec4::ZERO];
+    compare("gbuffer_packing", body, 8e-3, input, |[a, _]| unpack_sheen(pack_sheen(a.truncate(), a.w)));
+    compare("gbuffer_packing", body, 4.1e-3, input, |[a, _]| a);
 }
 
 /// A number between two steps may be rounded to either: a step of 6 bits of a root, one of 10.

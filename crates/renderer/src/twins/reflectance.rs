@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4};
 use gnomon_brdf::{
-    Frame, LightPatch, Lobe, Model, SeenFinish, Surface, Tables, coat_share, finish_light, finish_pdf,
-    finish_sample, finish_value,
+    Frame, LightPatch, Lobe, Model, SeenFinish, Surface, Tables, coat_share, d_charlie, finish_light,
+    finish_pdf, finish_sample, finish_value, lambda_charlie, sheen_albedo,
 };
 use gnomon_testing::tolerances::SHADER_TWIN;
 use gnomon_testing::{glossy_surface, tabulated_surfaces};
@@ -101,13 +101,40 @@ fn lobes_over_area_lights() {
     }
 }
 
-/// What lies on a base, along its normal and away from it.
-fn finishes() -> [(SeenFinish, String); 2] {
-    [(0.4, Vec3::Z), (0.7, Vec3::new(0.3, -0.2, 0.9).normalize())].map(|(coat_roughness, coat_normal)| {
-        let finish = SeenFinish { base: 0.8, coat: 0.2, coat_roughness, coat_normal };
-        let Vec3 { x, y, z } = coat_normal;
-        (finish, format!("Finish(0.8, 0.2, {coat_roughness:?}, vec3f({x:?}, {y:?}, {z:?}))"))
+/// What lies on a base: a coat along its normal, one away from it, sheen, both.
+fn finishes() -> impl Iterator<Item = (SeenFinish, String)> {
+    let tilted = Vec3::new(0.3, -0.2, 0.9).normalize();
+    let cases = [
+        (0.2, 0.4, Vec3::Z, 0.0),
+        (0.2, 0.7, tilted, 0.0),
+        (0.0, 0.5, Vec3::Z, 0.8),
+        (0.2, 0.6, tilted, 0.8),
+    ];
+    cases.into_iter().map(|(coat, coat_roughness, coat_normal, strength)| {
+        let (sheen, sheen_roughness) = (strength * Vec3::new(1.0, 0.5, 0.1), 0.6);
+        let finish = SeenFinish { base: 0.8, coat, coat_roughness, coat_normal, sheen, sheen_roughness };
+        let vector = |Vec3 { x, y, z }| format!("vec3f({x:?}, {y:?}, {z:?})");
+        let (normal, tint) = (vector(coat_normal), vector(sheen));
+        (finish, format!("Finish(0.8, {coat:?}, {coat_roughness:?}, {normal}, {tint}, {sheen_roughness:?})"))
     })
+}
+
+#[test]
+fn shares_of_finishes() {
+    let body = "vec4f(sheen_albedo(a.x, a.y), lambda_charlie(a.x, 0.01 + 0.99 * a.y), \
+        d_charlie(a.x, 0.01 + 0.99 * a.y), seen_finish(a.z, 0.5, vec3f(0.0, 0.0, 1.0), a.yzw, a.w, a.x).base)";
+    compare(
+        "brdf_finish",
+        body,
+        TOLERANCE,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            let alpha = 0.01 + 0.99 * a.y;
+            let albedo = sheen_albedo(a.x, a.w).min(1.0);
+            let base = (1.0 - a.z) * (1.0 - a.y.max(a.z).max(a.w) * albedo);
+            Vec4::new(sheen_albedo(a.x, a.y), lambda_charlie(a.x, alpha), d_charlie(a.x, alpha), base)
+        },
+    );
 }
 
 #[test]

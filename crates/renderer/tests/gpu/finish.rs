@@ -32,6 +32,17 @@ fn coats() -> [Surface; 3] {
     ]
 }
 
+/// Velvet over a matte surface, smooth sheen over a plastic, and sheen under a coat.
+fn cloths() -> [Surface; 3] {
+    let blue = Surface { base_color: Vec3::new(0.05, 0.1, 0.3), ..Surface::default() };
+    let sheen_color = Vec3::new(0.9, 0.7, 0.5);
+    [
+        Surface { model: Model::Lambert, sheen_color, sheen_roughness: 0.6, ..blue },
+        Surface { roughness: 0.6, specular: 1.0, sheen_color, sheen_roughness: 0.4, ..blue },
+        Surface { sheen_color, sheen_roughness: 0.8, clearcoat: 1.0, clearcoat_roughness: 0.3, ..blue },
+    ]
+}
+
 fn settings() -> RenderSettings {
     RenderSettings::default().with(|s| s.display.background = Background::None)
 }
@@ -85,14 +96,16 @@ fn finished_balls_are_the_ray_tracers() {
     // Lamps of St Peter's end within a pixel in a smooth coat, as in a smooth metal.
     for (name, map, least) in [("studio", &studio, 0.0), ("st peters", &st_peters, 0.3)] {
         let set = fitted(map);
-        for coated in coats() {
-            let surface = Surface { clearcoat_roughness: coated.clearcoat_roughness.max(least), ..coated };
-            let truth = |surface| traced(&ball(surface), map, 400);
+        for finished in coats().into_iter().chain(cloths()) {
+            let surface =
+                Surface { clearcoat_roughness: finished.clearcoat_roughness.max(least), ..finished };
+            let truth = |surface| traced(&ball(surface), map, 256);
             let seen = render(&gpu, settings(), &ball(surface), map, &set, &camera(), SIZE).radiance;
             let (own, bare) = (error(&seen, &truth(surface)), error(&seen, &truth(surface.without_finish())));
             println!("{name} {} {own:.4}, without its finish {bare:.4}", surface.model.name());
-            let most =
-                if surface.metallic > 0.0 { tolerances::FINISH_OVER_METAL } else { tolerances::FINISH };
+            // Wide strong lobes are sampled too coarsely for lamps as strong as St Peter's, with a finish and without.
+            let is_wide = surface.metallic > 0.0 || surface.sheen_color != Vec3::ZERO;
+            let most = if is_wide && least > 0.0 { tolerances::FINISH_WIDE } else { tolerances::FINISH };
             assert!(own <= most && bare > 1.4 * own, "{name} {surface:?}: {own} {bare}");
         }
     }
@@ -104,7 +117,8 @@ fn lamps_shine_on_finished_surfaces_as_the_ray_tracer_has_it() {
     let Some(gpu) = gpu_or_skip() else { return };
     let dark = LightSet::new("none", Vec::new(), no_light());
     let [plastic, _, matte] = coats();
-    for surface in [plastic, matte] {
+    let [velvet, ..] = cloths();
+    for surface in [plastic, matte, velvet] {
         let scene = |surface| {
             let mut scene = ball(surface);
             let towards = Camera::look_at(Vec3::new(1.5, 2.0, 2.5), Vec3::ZERO, 1.0).world_from_camera;

@@ -1,8 +1,9 @@
 //! Materials and textures (specification, sections 3.8 and 3.9, and the KHR extensions).
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use gnomon_messages::quoted;
-use gnomon_scene::{AlphaMode, Material, Scene};
+use gnomon_picture::tonemap::srgb_decode;
+use gnomon_scene::{AlphaMode, Material, Scene, TextureRef};
 
 use super::buffers::Buffers;
 use super::schema::{AlphaModeEntry, Int, MaterialEntry, Root, TextureInfo};
@@ -109,6 +110,21 @@ fn material(
             material.clearcoat_normal_scale = scale.filter(|scale| scale.is_finite()).unwrap_or(1.0);
         }
     }
+    if let Some(sheen) = &entry.extensions.sheen {
+        material.surface.sheen_color =
+            Vec3::from_array(sheen.sheen_color_factor.map_or([0.0; 3], |color| color.map(unit)));
+        material.surface.sheen_roughness = sheen.sheen_roughness_factor.map_or(0.0, unit);
+        if material.surface.sheen_color != Vec3::ZERO {
+            material.sheen_color_texture = texture(&sheen.sheen_color_texture, scene)?;
+            material.sheen_roughness_texture = texture(&sheen.sheen_roughness_texture, scene)?;
+        }
+        if material.surface.clearcoat > 0.0 && material.has_sheen_textures() {
+            even_sheen(&mut material, scene);
+            scene
+                .warnings
+                .push(format!("{label}: under its clear coat sheen is even, the mean of its textures"));
+        }
+    }
     if let Some(ior) = entry.extensions.ior.as_ref().and_then(|extension| extension.ior) {
         // 0 has a meaning of its own in KHR_materials_ior: full reflection.
         if ior == 0.0 || (ior >= 1.0 && ior.is_finite()) {
@@ -134,6 +150,20 @@ fn material(
         Some(Err(reason)) => scene.warnings.push(format!("{label}: heights are left out: {reason}")),
     }
     Ok(material)
+}
+
+/// Sheen of the mean of its textures: the G-buffer has room for those of a clear coat or those of sheen.
+fn even_sheen(material: &mut Material, scene: &Scene) {
+    let mean = |texture: Option<TextureRef>, decode: fn(f32) -> f32| {
+        let Some(texture) = texture else { return Vec4::ONE };
+        let texels = &scene.textures[texture.texture.0].rgba8;
+        let texel = |texel: &[u8; 4]| Vec4::from(texel.map(|channel| f32::from(channel) / 255.0));
+        let sum: Vec4 =
+            texels.iter().map(texel).map(|texel| texel.truncate().map(decode).extend(texel.w)).sum();
+        sum / texels.len().max(1) as f32
+    };
+    material.surface.sheen_color *= mean(material.sheen_color_texture.take(), srgb_decode).truncate();
+    material.surface.sheen_roughness *= mean(material.sheen_roughness_texture.take(), |value| value).w;
 }
 
 fn alpha_mode(
@@ -184,6 +214,8 @@ fn unlit(lit: Material) -> Material {
         clearcoat_texture: None,
         clearcoat_roughness_texture: None,
         clearcoat_normal_texture: None,
+        sheen_color_texture: None,
+        sheen_roughness_texture: None,
         surface: lit.surface.without_finish(),
         ..lit
     };

@@ -32,6 +32,10 @@ super::constants! {
     pub const TEXTURE_CLEARCOAT_ROUGHNESS: u32 = 9;
     /// [`MaterialTexture::kind`]: RGB, the normal of the clear coat in tangent space.
     pub const TEXTURE_CLEARCOAT_NORMAL: u32 = 10;
+    /// [`MaterialTexture::kind`]: RGB, multiplies the colour of the sheen.
+    pub const TEXTURE_SHEEN_COLOR: u32 = 11;
+    /// [`MaterialTexture::kind`]: A, multiplies the roughness of the sheen.
+    pub const TEXTURE_SHEEN_ROUGHNESS: u32 = 12;
     /// [`ReliefMap::shape`]: ellipses.
     pub const RELIEF_ELLIPSES: u32 = 0;
     /// [`ReliefMap::shape`]: horizons in eight azimuths.
@@ -116,6 +120,12 @@ super::structs! {
         pub clearcoat_roughness: f32,
         /// Strength of its normal map.
         pub clearcoat_normal_scale: f32,
+        /// Colour of the sheen, black for none.
+        pub sheen_color: Vec3,
+        /// Its roughness.
+        pub sheen_roughness: f32,
+        /// 1 where the G-buffer keeps what textures say of the sheen, and nothing of the coat.
+        pub has_sheen_textures: u32,
     }
 
     /// What is prepared of a material's heights.

@@ -126,6 +126,23 @@ pub fn unpack_coat(word: u32) -> Vec4 {
     )
 }
 
+/// What textures multiply colour and roughness of the sheen with.
+pub fn pack_sheen(color: Vec3, roughness: f32) -> u32 {
+    let [r, g, b, a] = color
+        .clamp(Vec3::ZERO, Vec3::ONE)
+        .map(f32::sqrt)
+        .extend(roughness)
+        .to_array()
+        .map(|v| unorm(v, 255.0));
+    r | g << 8 | b << 16 | a << 24
+}
+
+/// Inverse of [`pack_sheen`].
+pub fn unpack_sheen(word: u32) -> Vec4 {
+    let roots = Vec4::from([0, 8, 16, 24].map(|shift| (word >> shift & 0xff) as f32 / 255.0));
+    (roots.truncate() * roots.truncate()).extend(roots.w)
+}
+
 /// Normals, tangent and material, and what lies on the base.
 pub fn pack_geometry(surface: &PackedSurface) -> UVec4 {
     let normal = pack_normal(surface.frame.n);

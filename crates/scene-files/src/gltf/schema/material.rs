@@ -58,6 +58,8 @@ pub struct MetallicRoughness {
 pub struct MaterialExtensions {
     #[serde(rename = "KHR_materials_clearcoat")]
     pub clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_sheen")]
+    pub sheen: Option<Sheen>,
     #[serde(rename = "KHR_materials_specular")]
     pub specular: Option<Specular>,
     #[serde(rename = "KHR_materials_ior")]
@@ -97,6 +99,15 @@ pub struct Clearcoat {
     pub clearcoat_roughness_factor: Option<f32>,
     pub clearcoat_roughness_texture: Option<TextureInfo>,
     pub clearcoat_normal_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Sheen {
+    pub sheen_color_factor: Option<[f32; 3]>,
+    pub sheen_color_texture: Option<TextureInfo>,
+    pub sheen_roughness_factor: Option<f32>,
+    pub sheen_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -160,6 +171,7 @@ impl MaterialEntry {
         let specular = self.extensions.specular.as_ref();
         let gloss = self.extensions.specular_glossiness.as_ref();
         let coat = self.extensions.clearcoat.as_ref();
+        let sheen = self.extensions.sheen.as_ref();
         let infos = [
             pbr.base_color_texture.as_ref(),
             gloss.and_then(|gloss| gloss.diffuse_texture.as_ref()),
@@ -172,6 +184,8 @@ impl MaterialEntry {
             coat.and_then(|coat| coat.clearcoat_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_roughness_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_normal_texture.as_ref()),
+            sheen.and_then(|sheen| sheen.sheen_color_texture.as_ref()),
+            sheen.and_then(|sheen| sheen.sheen_roughness_texture.as_ref()),
         ];
         infos.into_iter().flatten()
     }
