@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::{Affine3A, Quat, Vec3};
+use gnomon_brdf::Model;
 use gnomon_scene::{AlphaMode, MeshId, Scene};
 use gnomon_scene_files::{LoadOptions, load, load_bytes};
 use serde_json::{Value, json};
@@ -36,6 +37,7 @@ fn extensions_that_only_add_are_accepted_with_a_word() {
     }
     let silent = [
         "KHR_materials_unlit",
+        "KHR_materials_anisotropy",
         "KHR_materials_clearcoat",
         "KHR_materials_sheen",
         "KHR_materials_variants",
@@ -95,6 +97,39 @@ fn a_clear_coat_has_its_own_textures() {
     };
     assert_eq!(coat(json!({})), [0.0, 0.0]);
     assert_eq!(coat(json!({"clearcoatFactor": 7, "clearcoatRoughnessFactor": -1})), [1.0, 0.0]);
+}
+
+#[test]
+fn anisotropy_is_a_model_and_its_texture_a_direction() {
+    let open = |anisotropy: Value| {
+        let mut document = with_material(json!({
+            "pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0}},
+            "extensions": {"KHR_materials_anisotropy": anisotropy}
+        }));
+        document["images"] = json!([{"uri": pixel([0, 128, 204, 255])}]);
+        document["textures"] = json!([{"source": 0}]);
+        let uvs = add_accessor(&mut document, &bytes(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), 5126, 3, "VEC2");
+        document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uvs);
+        read(&document).scene
+    };
+    let scene = open(
+        json!({"anisotropyStrength": 0.5, "anisotropyRotation": 0.25, "anisotropyTexture": {"index": 0}}),
+    );
+    let surface = scene.materials[0].surface;
+    assert_eq!((surface.model, surface.anisotropy_rotation), (Model::AnisotropicGgx, 0.25));
+    // Strength and roughness are those of the textures' means.
+    assert!(
+        (surface.anisotropy - 0.4).abs() < 1e-6 && (surface.roughness - 0.251).abs() < 1e-3,
+        "{surface:?}"
+    );
+    // The texel points against u.
+    let tangent = scene.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).tangent;
+    let straight = open(json!({"anisotropyStrength": 0.5}));
+    let along_u = straight.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).tangent;
+    assert!(tangent.truncate().dot(along_u.truncate()) < -0.99, "{tangent} {along_u}");
+    let none = open(json!({"anisotropyTexture": {"index": 0}}));
+    assert_eq!(none.materials[0].surface.model, Model::MetallicRoughness);
+    assert_eq!(none.materials[0].anisotropy_texture, None);
 }
 
 #[test]

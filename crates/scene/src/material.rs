@@ -103,6 +103,8 @@ pub struct Material {
     pub specular_texture: Option<TextureRef>,
     /// sRGB: specular tint.
     pub specular_color_texture: Option<TextureRef>,
+    /// Linear: direction along which an anisotropic lobe is wide, x and y in tangent space as R and G.
+    pub anisotropy_texture: Option<TextureRef>,
     /// Linear: strength of the clear coat in R.
     pub clearcoat_texture: Option<TextureRef>,
     /// Linear: roughness of the clear coat in G.
@@ -145,6 +147,7 @@ impl Default for Material {
             height: None,
             specular_texture: None,
             specular_color_texture: None,
+            anisotropy_texture: None,
             clearcoat_texture: None,
             clearcoat_roughness_texture: None,
             clearcoat_normal_texture: None,
@@ -171,10 +174,10 @@ impl Material {
         self.surface.tables().map(Arc::new).or_else(|| self.tables.clone())
     }
 
-    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map, else of its coat's.
+    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map, else of its coat's, else of its lobe's direction.
     pub fn tangent_set(&self) -> Option<usize> {
         let needs_tangent = self.surface.model.needs_tangent();
-        let normals = self.normal_texture.or(self.clearcoat_normal_texture);
+        let normals = self.normal_texture.or(self.clearcoat_normal_texture).or(self.anisotropy_texture);
         normals.map(|texture| texture.set).or(needs_tangent.then_some(0))
     }
 
@@ -184,13 +187,14 @@ impl Material {
     }
 
     /// Every place for a texture.
-    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 11] {
+    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 12] {
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.specular_texture,
             &mut self.specular_color_texture,
+            &mut self.anisotropy_texture,
             &mut self.clearcoat_texture,
             &mut self.clearcoat_roughness_texture,
             &mut self.clearcoat_normal_texture,

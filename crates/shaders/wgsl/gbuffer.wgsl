@@ -117,6 +117,7 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     packed.roughness = material.roughness;
     packed.metallic = 1.0;
     var tilt = vec3f(0.0, 0.0, 1.0);
+    var direction = vec2f(1.0, 0.0);
     var coat = vec2f(1.0);
     var sheen = vec4f(1.0);
     var coat_tilt = vec3f(0.0, 0.0, 1.0);
@@ -172,6 +173,9 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
             case TEXTURE_CLEARCOAT_NORMAL: {
                 coat_tilt = (2.0 * texel.xyz - 1.0) * vec3f(vec2f(material.clearcoat_normal_scale), 1.0);
             }
+            case TEXTURE_ANISOTROPY: {
+                direction = 2.0 * texel.rg - 1.0;
+            }
             case TEXTURE_SHEEN_COLOR: {
                 sheen *= vec4f(texel.rgb, 1.0);
             }
@@ -206,7 +210,12 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     let turn = select(-1.0, 1.0, dot(normal, geometric_normal) >= 0.0);
     packed.geometric_normal = geometric_normal;
     // The bitangent stays where it is when the normal turns.
-    packed.frame = frame_from_tangent(normal * turn, vec4f(surface.tangent_world.xyz, surface.tangent_world.w * turn));
+    var tangent = surface.tangent_world.xyz;
+    if any(direction != vec2f(1.0, 0.0)) && dot(direction, direction) > 1e-6 {
+        let across = tangent - smooth_normal * dot(smooth_normal, tangent);
+        tangent = across * direction.x + cross(smooth_normal, across) * (surface.tangent_world.w * direction.y);
+    }
+    packed.frame = frame_from_tangent(normal * turn, vec4f(tangent, surface.tangent_world.w * turn));
     coat_normal *= select(-1.0, 1.0, dot(coat_normal, geometric_normal) >= 0.0);
     if material.has_sheen_textures != 0u {
         packed.finish = pack_sheen(sheen.rgb, sheen.a);

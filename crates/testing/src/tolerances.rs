@@ -187,6 +187,9 @@ pub const FINISH: f64 = 0.05;
 /// sheen.
 pub const FINISH_WIDE: f64 = 0.09;
 
+/// A ball whose anisotropic lobe a texture turns, measured so in the studio. Found: 0.06.
+pub const ANISOTROPY: f64 = 0.08;
+
 /// The same under a lamp of the scene, of which smooth highlights end within a pixel. Found: 0.012 to 0.083.
 pub const FINISH_LAMP: f64 = 0.12;
 

@@ -72,6 +72,7 @@ fn textures(material: &Material) -> impl Iterator<Item = (u32, TextureUse, Place
         (layout::TEXTURE_SPECULAR, data, material.specular_texture),
         (layout::TEXTURE_SPECULAR_COLOR, colors, material.specular_color_texture),
         (layout::TEXTURE_EMISSIVE, colors, material.emissive_texture),
+        (layout::TEXTURE_ANISOTROPY, data, material.anisotropy_texture),
         (layout::TEXTURE_CLEARCOAT, data, material.clearcoat_texture),
         (layout::TEXTURE_CLEARCOAT_ROUGHNESS, data, material.clearcoat_roughness_texture),
         (layout::TEXTURE_CLEARCOAT_NORMAL, data, material.clearcoat_normal_texture),

@@ -11,13 +11,13 @@ use gnomon_renderer::{Background, RenderSettings};
 use gnomon_scene::{AreaLight, AreaLightShape, Camera, Material, Node, NodeId, Scene};
 use gnomon_testing::tolerances;
 
-const SIZE: [u32; 2] = [48, 48];
+pub const SIZE: [u32; 2] = [48, 48];
 
 fn ball(surface: Surface) -> Scene {
     scene_of(vec![sphere()], Material { surface, ..Material::default() })
 }
 
-fn camera() -> Camera {
+pub fn camera() -> Camera {
     Camera::look_at(Vec3::new(0.6, 0.7, 3.4), Vec3::ZERO, 0.5)
 }
 
@@ -43,16 +43,16 @@ fn cloths() -> [Surface; 3] {
     ]
 }
 
-fn settings() -> RenderSettings {
+pub fn settings() -> RenderSettings {
     RenderSettings::default().with(|s| s.display.background = Background::None)
 }
 
-fn fitted(map: &Equirect) -> LightSet {
+pub fn fitted(map: &Equirect) -> LightSet {
     gnomon_lights::fit::by_name("optimized", &FitOptions::default()).unwrap().fit(map).unwrap()
 }
 
 /// Two independent estimates of the truth.
-fn traced(scene: &Scene, map: &Equirect, samples_per_pixel: u32) -> [RgbImage; 2] {
+pub fn traced(scene: &Scene, map: &Equirect, samples_per_pixel: u32) -> [RgbImage; 2] {
     let [width, height] = SIZE;
     [1, 2].map(|seed| {
         let options = ReferenceOptions {
@@ -69,7 +69,7 @@ fn traced(scene: &Scene, map: &Equirect, samples_per_pixel: u32) -> [RgbImage; 2
 
 /// Relative RMSE within the ball's outline, values clamped at four times the mean of the truth. Noise of the two estimates of the truth has no
 /// part in it: it is not the same in both.
-fn error(seen: &RgbImage, truth: &[RgbImage; 2]) -> f64 {
+pub fn error(seen: &RgbImage, truth: &[RgbImage; 2]) -> f64 {
     let [width, height] = SIZE;
     let is_inside = |x: u32, y: u32| {
         let range = |at: u32, end: u32| at.saturating_sub(1)..(at + 2).min(end);

@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
 mod analytic;
+mod anisotropy;
 mod asynchronous;
 mod backdrop;
 mod blending;

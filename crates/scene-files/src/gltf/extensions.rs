@@ -6,12 +6,13 @@ use super::schema::Root;
 use crate::error::Fault;
 
 /// Extensions that are read.
-const READ: [&str; 19] = [
+const READ: [&str; 20] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -30,9 +31,8 @@ const READ: [&str; 19] = [
 ];
 
 /// Extensions without which the model is still itself, and what is not drawn. Files that require them are shown so, too.
-const PLAIN: [(&str, &str); 8] = [
+const PLAIN: [(&str, &str); 7] = [
     ("KHR_lights_punctual", "its lights are left out"),
-    ("KHR_materials_anisotropy", "highlights are round"),
     ("KHR_materials_diffuse_transmission", "no light comes through"),
     ("KHR_materials_dispersion", "light is not split into colours"),
     ("KHR_materials_iridescence", "thin films are not drawn"),

@@ -1,12 +1,15 @@
 //! Materials and textures (specification, sections 3.8 and 3.9, and the KHR extensions).
 
-use glam::{Vec3, Vec4};
+use std::f32::consts::TAU;
+
+use glam::{DVec4, Vec3, Vec4};
+use gnomon_brdf::Model;
 use gnomon_messages::quoted;
 use gnomon_picture::tonemap::srgb_decode;
 use gnomon_scene::{AlphaMode, Material, Scene, TextureRef};
 
 use super::buffers::Buffers;
-use super::schema::{AlphaModeEntry, Int, MaterialEntry, Root, TextureInfo};
+use super::schema::{AlphaModeEntry, Anisotropy, Int, MaterialEntry, Root, TextureInfo};
 use super::textures::Textures;
 use super::{Budget, Fault, Source, specular_glossiness};
 
@@ -125,6 +128,10 @@ fn material(
                 .push(format!("{label}: under its clear coat sheen is even, the mean of its textures"));
         }
     }
+    if let Some(anisotropy) = &entry.extensions.anisotropy {
+        material.anisotropy_texture = texture(&anisotropy.anisotropy_texture, scene)?;
+        make_anisotropic(&mut material, anisotropy, scene);
+    }
     if let Some(ior) = entry.extensions.ior.as_ref().and_then(|extension| extension.ior) {
         // 0 has a meaning of its own in KHR_materials_ior: full reflection.
         if ior == 0.0 || (ior >= 1.0 && ior.is_finite()) {
@@ -154,16 +161,38 @@ fn material(
 
 /// Sheen of the mean of its textures: the G-buffer has room for those of a clear coat or those of sheen.
 fn even_sheen(material: &mut Material, scene: &Scene) {
-    let mean = |texture: Option<TextureRef>, decode: fn(f32) -> f32| {
-        let Some(texture) = texture else { return Vec4::ONE };
-        let texels = &scene.textures[texture.texture.0].rgba8;
-        let texel = |texel: &[u8; 4]| Vec4::from(texel.map(|channel| f32::from(channel) / 255.0));
-        let sum: Vec4 =
-            texels.iter().map(texel).map(|texel| texel.truncate().map(decode).extend(texel.w)).sum();
-        sum / texels.len().max(1) as f32
+    let (color, roughness) = (material.sheen_color_texture.take(), material.sheen_roughness_texture.take());
+    material.surface.sheen_color *= mean(color, srgb_decode, scene).truncate();
+    material.surface.sheen_roughness *= mean(roughness, |value| value, scene).w;
+}
+
+/// Mean of a texture whose colours are decoded so; white for none.
+fn mean(texture: Option<TextureRef>, decode: fn(f32) -> f32, scene: &Scene) -> Vec4 {
+    let Some(texture) = texture else { return Vec4::ONE };
+    let texels = &scene.textures[texture.texture.0].rgba8;
+    let texel = |texel: &[u8; 4]| {
+        let unit = Vec4::from(texel.map(|channel| f32::from(channel) / 255.0));
+        unit.truncate().map(decode).extend(unit.w)
     };
-    material.surface.sheen_color *= mean(material.sheen_color_texture.take(), srgb_decode).truncate();
-    material.surface.sheen_roughness *= mean(material.sheen_roughness_texture.take(), |value| value).w;
+    // Row by row in 32 bits: a sum over millions of texels would lose their digits.
+    let rows = texels.chunks(4096).map(|row| row.iter().map(texel).sum::<Vec4>().as_dvec4());
+    (rows.sum::<DVec4>() / texels.len().max(1) as f64).as_vec4()
+}
+
+/// `KHR_materials_anisotropy`: another model, whose tables have one roughness and strength a material. Textures vary its direction; of roughness
+/// and strength they give the mean.
+fn make_anisotropic(material: &mut Material, entry: &Anisotropy, scene: &Scene) {
+    let strength = entry.anisotropy_strength.map_or(0.0, unit);
+    let linear = |value: f32| value;
+    material.surface.anisotropy = strength * mean(material.anisotropy_texture, linear, scene).z;
+    if material.surface.anisotropy == 0.0 {
+        material.anisotropy_texture = None;
+        return;
+    }
+    material.surface.model = Model::AnisotropicGgx;
+    let rotation = entry.anisotropy_rotation.filter(|rotation| rotation.is_finite()).unwrap_or(0.0);
+    material.surface.anisotropy_rotation = rotation.rem_euclid(TAU);
+    material.surface.roughness *= mean(material.metallic_roughness_texture, linear, scene).y;
 }
 
 fn alpha_mode(
@@ -216,9 +245,11 @@ fn unlit(lit: Material) -> Material {
         clearcoat_normal_texture: None,
         sheen_color_texture: None,
         sheen_roughness_texture: None,
+        anisotropy_texture: None,
         surface: lit.surface.without_finish(),
         ..lit
     };
+    material.surface.model = Model::default();
     material.surface.base_color = Vec3::ZERO;
     (material.surface.metallic, material.surface.specular) = (0.0, 0.0);
     material

@@ -36,6 +36,8 @@ super::constants! {
     pub const TEXTURE_SHEEN_COLOR: u32 = 11;
     /// [`MaterialTexture::kind`]: A, multiplies the roughness of the sheen.
     pub const TEXTURE_SHEEN_ROUGHNESS: u32 = 12;
+    /// [`MaterialTexture::kind`]: RG, the direction along which an anisotropic lobe is wide in tangent space.
+    pub const TEXTURE_ANISOTROPY: u32 = 13;
     /// [`ReliefMap::shape`]: ellipses.
     pub const RELIEF_ELLIPSES: u32 = 0;
     /// [`ReliefMap::shape`]: horizons in eight azimuths.

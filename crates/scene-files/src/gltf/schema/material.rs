@@ -56,6 +56,8 @@ pub struct MetallicRoughness {
 
 #[derive(Debug, Default, Deserialize)]
 pub struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_anisotropy")]
+    pub anisotropy: Option<Anisotropy>,
     #[serde(rename = "KHR_materials_clearcoat")]
     pub clearcoat: Option<Clearcoat>,
     #[serde(rename = "KHR_materials_sheen")]
@@ -89,6 +91,14 @@ pub struct Specular {
     pub specular_texture: Option<TextureInfo>,
     pub specular_color_factor: Option<[f32; 3]>,
     pub specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Anisotropy {
+    pub anisotropy_strength: Option<f32>,
+    pub anisotropy_rotation: Option<f32>,
+    pub anisotropy_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -170,6 +180,7 @@ impl MaterialEntry {
         let pbr = &self.pbr_metallic_roughness;
         let specular = self.extensions.specular.as_ref();
         let gloss = self.extensions.specular_glossiness.as_ref();
+        let anisotropy = self.extensions.anisotropy.as_ref();
         let coat = self.extensions.clearcoat.as_ref();
         let sheen = self.extensions.sheen.as_ref();
         let infos = [
@@ -181,6 +192,7 @@ impl MaterialEntry {
             self.emissive_texture.as_ref(),
             specular.and_then(|specular| specular.specular_texture.as_ref()),
             specular.and_then(|specular| specular.specular_color_texture.as_ref()),
+            anisotropy.and_then(|anisotropy| anisotropy.anisotropy_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_roughness_texture.as_ref()),
             coat.and_then(|coat| coat.clearcoat_normal_texture.as_ref()),
