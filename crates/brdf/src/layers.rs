@@ -4,9 +4,12 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::fresnel::schlick_share;
 use crate::sampling::half_vector;
-use crate::{Lobe, MIN_N_DOT_V, Tables, sample_cosine_hemisphere};
+use crate::{
+    Finish, Lobe, MIN_N_DOT_V, SeenFinish, Tables, finish_pdf, finish_sample, finish_strength, finish_value,
+    sample_cosine_hemisphere,
+};
 
-/// Reflectance of a surface point: a matte part and a glossy one, added.
+/// Reflectance of a surface point: a matte part and a glossy one, added, and what lies on both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers<'a> {
     /// Albedo of the matte part.
@@ -16,6 +19,8 @@ pub struct Layers<'a> {
     pub interface: Vec4,
     /// The glossy part.
     pub lobe: Lobe<'a>,
+    /// What lies on both.
+    pub finish: Finish,
 }
 
 /// A sampled direction.
@@ -30,7 +35,7 @@ pub struct Sample {
 }
 
 /// Rec. 709 luminance weights, to choose between parts.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+pub(crate) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Least chance of a part that reflects anything, so that no direction of it is starved of samples.
 const MIN_PROBABILITY: f32 = 0.1;
@@ -42,6 +47,11 @@ impl<'a> Layers<'a> {
         Self { lobe: Lobe { tables, ..self.lobe }, ..self }
     }
 
+    /// Whether anything but Lambert's law reflects.
+    pub fn is_glossy(&self) -> bool {
+        self.lobe.is_present() || self.finish.is_present()
+    }
+
     /// Value [1/sr], without the cosine; zero for a `wi` under the surface.
     pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         if wi.z <= 0.0 {
@@ -49,14 +59,25 @@ impl<'a> Layers<'a> {
         }
         let weight = self.matte_weight(wo.dot(half_vector(wo, wi)));
         let matte = weight * (self.diffuse * FRAC_1_PI);
-        if self.lobe.is_present() { matte + self.lobe.value(wo, wi) } else { matte }
+        let base = if self.lobe.is_present() { matte + self.lobe.value(wo, wi) } else { matte };
+        if !self.finish.is_present() {
+            return base;
+        }
+        let finish = self.finish.seen_from(wo);
+        finish.base * base + finish_value(&finish, wo, wi)
     }
 
     /// A direction distributed as [`Layers::pdf`] for uniform `u` in `[0, 1)^2` and `u_part` in `[0, 1)`; `None` where the sample is
     /// lost (it fell under the surface, or nothing is reflected).
     pub fn sample(&self, wo: Vec3, u: Vec2, u_part: f32) -> Option<Sample> {
-        let is_glossy = u_part < self.lobe_probability(wo.z)?;
-        let wi = if is_glossy { self.lobe.sample(wo, u) } else { sample_cosine_hemisphere(u) };
+        let (finish, of_finish) = self.finish_of(wo, self.base_luminance(wo.z));
+        let wi = if u_part < of_finish {
+            finish_sample(&finish, wo, u)
+        } else if (u_part - of_finish) / (1.0 - of_finish) < self.lobe_probability(wo.z)? {
+            self.lobe.sample(wo, u)
+        } else {
+            sample_cosine_hemisphere(u)
+        };
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then(|| Sample { wi, f: self.evaluate(wo, wi), pdf })
     }
@@ -66,9 +87,45 @@ impl<'a> Layers<'a> {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let Some(p) = self.lobe_probability(wo.z) else { return 0.0 };
-        let glossy = if p > 0.0 { p * self.lobe.pdf(wo, wi) } else { 0.0 };
-        glossy + (1.0 - p) * wi.z * FRAC_1_PI
+        let base = self.lobe_probability(wo.z).map_or(0.0, |p| {
+            let glossy = if p > 0.0 { p * self.lobe.pdf(wo, wi) } else { 0.0 };
+            glossy + (1.0 - p) * wi.z * FRAC_1_PI
+        });
+        if !self.finish.is_present() {
+            return base;
+        }
+        let (finish, of_finish) = self.finish_of(wo, self.base_luminance(wo.z));
+        of_finish * finish_pdf(&finish, wo, wi) + (1.0 - of_finish) * base
+    }
+
+    /// [`Layers::evaluate`] without the matte part.
+    pub fn gloss_value(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        if !self.finish.is_present() {
+            return self.lobe.value(wo, wi);
+        }
+        let finish = self.finish.seen_from(wo);
+        finish.base * self.lobe.value(wo, wi) + finish_value(&finish, wo, wi)
+    }
+
+    /// A direction about in proportion to [`Layers::gloss_value`] times the cosine; it may lie under the surface.
+    pub fn gloss_sample(&self, wo: Vec3, u: Vec2) -> Vec3 {
+        let (finish, of_finish) = self.finish_of(wo, self.lobe_luminance(wo.z));
+        // One number both chooses and, stretched again, samples.
+        if u.x < of_finish {
+            finish_sample(&finish, wo, Vec2::new(u.x / of_finish, u.y))
+        } else {
+            self.lobe.sample(wo, Vec2::new((u.x - of_finish) / (1.0 - of_finish), u.y))
+        }
+    }
+
+    /// Density of [`Layers::gloss_sample`] [1/sr of `wi`].
+    pub fn gloss_pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if !self.finish.is_present() {
+            return self.lobe.pdf(wo, wi);
+        }
+        let (finish, of_finish) = self.finish_of(wo, self.lobe_luminance(wo.z));
+        let base = if of_finish < 1.0 { self.lobe.pdf(wo, wi) } else { 0.0 };
+        of_finish * finish_pdf(&finish, wo, wi) + (1.0 - of_finish) * base
     }
 
     /// Most that is reflected of light from anywhere, about.
@@ -81,19 +138,50 @@ impl<'a> Layers<'a> {
         self.lobe.model.matte_weight(self.interface, v_dot_h)
     }
 
-    /// Chance of sampling the lobe: its share of the reflected luminance, estimated at the mirror direction. `None` where nothing is
-    /// reflected.
+    /// What lies on the base, seen from `wo`, and the chance of sampling it beside what reflects that luminance under it.
+    fn finish_of(&self, wo: Vec3, under: f32) -> (SeenFinish, f32) {
+        let finish = self.finish.seen_from(wo);
+        let (own, under) = (finish_strength(&finish), finish.base * under);
+        let chance = match (own > 0.0, under > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => (own / (own + under)).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY),
+        };
+        (finish, chance)
+    }
+
+    /// Luminance that the matte part reflects, estimated at the mirror direction.
+    fn matte_luminance(&self, n_dot_v: f32) -> f32 {
+        self.matte_weight(n_dot_v.max(MIN_N_DOT_V)).max(0.0) * self.diffuse.dot(LUMINANCE)
+    }
+
+    /// The same of the lobe.
+    fn lobe_luminance(&self, n_dot_v: f32) -> f32 {
+        if !self.lobe.is_present() {
+            return 0.0;
+        }
+        let share = schlick_share(n_dot_v.max(MIN_N_DOT_V));
+        let mirror_albedo = Vec2::new(1.0 - share, share);
+        self.lobe.model.albedo(&self.lobe, n_dot_v.max(MIN_N_DOT_V), mirror_albedo).dot(LUMINANCE)
+    }
+
+    fn base_luminance(&self, n_dot_v: f32) -> f32 {
+        if self.finish.is_present() {
+            self.matte_luminance(n_dot_v) + self.lobe_luminance(n_dot_v)
+        } else {
+            0.0
+        }
+    }
+
+    /// Chance of sampling the lobe: its share of the luminance that the base reflects. `None` where that reflects nothing.
     fn lobe_probability(&self, n_dot_v: f32) -> Option<f32> {
-        let n_dot_v = n_dot_v.max(MIN_N_DOT_V);
-        let matte = self.matte_weight(n_dot_v).max(0.0) * self.diffuse.dot(LUMINANCE);
+        let matte = self.matte_luminance(n_dot_v);
         match (self.lobe.is_present(), matte > 0.0) {
             (false, false) => None,
             (true, false) => Some(1.0),
             (false, true) => Some(0.0),
             (true, true) => {
-                let share = schlick_share(n_dot_v);
-                let mirror_albedo = Vec2::new(1.0 - share, share);
-                let lobe = self.lobe.model.albedo(&self.lobe, n_dot_v, mirror_albedo).dot(LUMINANCE);
+                let lobe = self.lobe_luminance(n_dot_v);
                 Some((lobe / (lobe + matte)).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY))
             }
         }

@@ -9,6 +9,7 @@
 
 mod area;
 mod dfg;
+mod finish;
 mod frame;
 mod fresnel;
 mod ggx;
@@ -17,12 +18,16 @@ mod lobe;
 mod model;
 mod parameter;
 mod sampling;
+mod sheen;
 mod surface;
 pub mod tables;
 mod torrance_sparrow;
 
 pub use area::{LightPatch, erf, gaussian_interval, gaussian_patch};
 pub use dfg::{dfg, dfg_table};
+pub use finish::{
+    Finish, SeenFinish, coat_share, finish_light, finish_pdf, finish_sample, finish_strength, finish_value,
+};
 pub use frame::Frame;
 pub use fresnel::{METALS, Metal, f_exact, f_schlick, f0_from_ior};
 pub use ggx::{
@@ -37,6 +42,9 @@ pub use model::torrance_sparrow_gaussian::{d_gaussian, gaussian_masking_slope, g
 pub use model::{Model, ReflectanceModel};
 pub use parameter::*;
 pub use sampling::sample_cosine_hemisphere;
+pub use sheen::{
+    MIN_SHEEN_ROUGHNESS, d_charlie, lambda_charlie, sheen_albedo, sheen_light, sheen_sample, sheen_value,
+};
 pub use surface::Surface;
 pub use tables::Tables;
 pub use torrance_sparrow::{g1_smith_beckmann, v_smith_beckmann};

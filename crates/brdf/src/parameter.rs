@@ -107,3 +107,11 @@ parameter!(color EXTINCTION extinction, None, "Its imaginary part; 0 for what is
 parameter!(number ANISOTROPY anisotropy, "Strength of glTF's anisotropy: the lobe widens along the tangent", UNIT, UNIT, 0.7);
 parameter!(number ANISOTROPY_ROTATION anisotropy_rotation, "From the tangent, counter-clockwise [rad]", [-7.0, 7.0], [-3.2, 3.2], 0.0);
 parameter!(color AXES axes, None, "Weights of a cosine lobe's axes; -1/-1/1 is Phong's", [-1.0, 1.0], [-1.0, 1.0], 1.0);
+parameter!(number CLEARCOAT clearcoat, "Strength of a clear coat over the model", UNIT, UNIT, 1.0);
+parameter!(number CLEARCOAT_ROUGHNESS clearcoat_roughness, "Perceptual roughness of the clear coat", UNIT, UNIT, 0.05);
+
+parameter!(color SHEEN_COLOR sheen_color, None, "Sheen of cloth over the model", UNIT, UNIT, 1.0);
+parameter!(number SHEEN_ROUGHNESS sheen_roughness, "Perceptual roughness of the sheen", UNIT, UNIT, 0.5);
+
+/// Parameters of what lies on the base: they concern every model.
+pub static FINISH: &[&Parameter] = &[&CLEARCOAT, &CLEARCOAT_ROUGHNESS, &SHEEN_COLOR, &SHEEN_ROUGHNESS];

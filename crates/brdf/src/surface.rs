@@ -1,6 +1,8 @@
 use glam::Vec3;
 
-use crate::{Layers, Lobe, Model, Tables, f0_from_ior};
+use crate::{
+    CLEARCOAT, CLEARCOAT_ROUGHNESS, Finish, Layers, Lobe, Model, SHEEN_ROUGHNESS, Tables, f0_from_ior,
+};
 
 /// What reflectance models need to know of a surface point: glTF's metallic-roughness parameters with `KHR_materials_specular`, and
 /// those of the models that glTF does not have. Every model takes those that concern it ([`Model::parameters`]).
@@ -36,6 +38,14 @@ pub struct Surface {
     pub anisotropy_rotation: f32,
     /// What a cosine lobe weighs the products of both directions' components with (Lafortune et al. 1997).
     pub axes: Vec3,
+    /// `clearcoatFactor` of `KHR_materials_clearcoat`, 0..1: a clear coat over any model.
+    pub clearcoat: f32,
+    /// `clearcoatRoughnessFactor`, 0..1.
+    pub clearcoat_roughness: f32,
+    /// `sheenColorFactor` of `KHR_materials_sheen`: sheen of cloth between coat and model, black for none.
+    pub sheen_color: Vec3,
+    /// `sheenRoughnessFactor`, 0..1.
+    pub sheen_roughness: f32,
 }
 
 impl Surface {
@@ -59,10 +69,28 @@ impl Surface {
     #[must_use]
     pub fn tabulated(&self) -> Self {
         let Self { base_color, metallic, specular, specular_color, ior, .. } = Self::default();
-        Self { base_color, metallic, specular, specular_color, ior, ..*self }
+        Self { base_color, metallic, specular, specular_color, ior, ..*self }.without_finish()
     }
 
-    /// Matte and glossy part. That of a tabulated model reflects nothing until [`Layers::with_tables`] gives it tables.
+    /// The same without what lies on its base.
+    #[must_use]
+    pub fn without_finish(&self) -> Self {
+        let Self { clearcoat, clearcoat_roughness, sheen_color, sheen_roughness, .. } = Self::default();
+        Self { clearcoat, clearcoat_roughness, sheen_color, sheen_roughness, ..*self }
+    }
+
+    /// What lies on its base, the coat along the normal of the base.
+    pub fn finish(&self) -> Finish {
+        Finish {
+            clearcoat: CLEARCOAT.clamped(self),
+            clearcoat_roughness: CLEARCOAT_ROUGHNESS.clamped(self),
+            clearcoat_normal: Vec3::Z,
+            sheen_color: self.sheen_color.max(Vec3::ZERO).min(Vec3::ONE),
+            sheen_roughness: SHEEN_ROUGHNESS.clamped(self),
+        }
+    }
+
+    /// Matte and glossy part, and what lies on them. That of a tabulated model reflects nothing until [`Layers::with_tables`] gives it tables.
     pub fn layers(&self) -> Layers<'static> {
         let s = self.of_its_model();
         // `KHR_materials_specular`, section "Implementation".
@@ -77,12 +105,13 @@ impl Surface {
                 tint: interface.lerp(s.base_color.extend(1.0), s.metallic),
                 tables: None,
             },
+            finish: self.finish(),
         }
     }
 
     /// Whether the surface reflects nothing but Lambert's law.
     pub fn is_matte(&self) -> bool {
-        !self.layers().lobe.is_present()
+        !self.layers().is_glossy()
     }
 }
 
@@ -105,6 +134,10 @@ impl Default for Surface {
             anisotropy: 0.0,
             anisotropy_rotation: 0.0,
             axes: Vec3::new(-1.0, -1.0, 1.0),
+            clearcoat: 0.0,
+            clearcoat_roughness: 0.0,
+            sheen_color: Vec3::ZERO,
+            sheen_roughness: 0.0,
         }
     }
 }

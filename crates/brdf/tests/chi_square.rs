@@ -25,15 +25,19 @@ const STEPS: usize = 24;
 
 /// p-value of the samples of `model` against the pdf, one further bin taking the lost samples.
 fn p_value(model: &Layers, pdf: &dyn Fn(Vec3) -> f64, wo: Vec3, seed: u64) -> f64 {
+    p_value_of(&|u, part| model.sample(wo, u, part).map(|sample| sample.wi), pdf, seed)
+}
+
+fn p_value_of(draw: &dyn Fn(Vec2, f32) -> Option<Vec3>, pdf: &dyn Fn(Vec3) -> f64, seed: u64) -> f64 {
     let mut rng = Pcg(seed);
     let mut counts = vec![0.0; BINS[0] * BINS[1] + 1];
     for _ in 0..SAMPLES {
         let (u, lobe) = (Vec2::new(rng.next_f32(), rng.next_f32()), rng.next_f32());
-        let bin = match model.sample(wo, u, lobe) {
+        let bin = match draw(u, lobe) {
             None => BINS[0] * BINS[1],
-            Some(sample) => {
-                let theta = f64::from(sample.wi.z).clamp(-1.0, 1.0).acos() / FRAC_PI_2;
-                let phi = f64::from(sample.wi.y).atan2(f64::from(sample.wi.x)).rem_euclid(TAU) / TAU;
+            Some(wi) => {
+                let theta = f64::from(wi.z).clamp(-1.0, 1.0).acos() / FRAC_PI_2;
+                let phi = f64::from(wi.y).atan2(f64::from(wi.x)).rem_euclid(TAU) / TAU;
                 let i = ((theta * BINS[0] as f64) as usize).min(BINS[0] - 1);
                 i * BINS[1] + ((phi * BINS[1] as f64) as usize).min(BINS[1] - 1)
             }
@@ -102,6 +106,29 @@ fn samples_follow_the_pdf() {
         let wo = direction(*theta, 0.3);
         let p = p_value(&layers, &|wi| f64::from(layers.pdf(wo, wi)), wo, 7 + index as u64);
         assert!(p > SIGNIFICANCE / cases.len() as f64, "p {p}: {surface:?}, theta {theta}");
+    }
+}
+
+/// Parts of a base under a finish, all of them and the glossy ones alone.
+#[test]
+fn samples_of_finished_surfaces_follow_the_pdf() {
+    let base = Surface { roughness: 0.6, specular: 1.0, ..Surface::default() };
+    let coat = Surface { clearcoat: 1.0, clearcoat_roughness: 0.4, ..base };
+    let lambert = Surface { model: Model::Lambert, ..coat };
+    let metal = Surface { metallic: 1.0, ..coat };
+    let cloth = Surface { sheen_color: Vec3::ONE, sheen_roughness: 0.4, clearcoat: 0.0, ..lambert };
+    let both = Surface { sheen_color: Vec3::ONE, sheen_roughness: 0.4, ..metal };
+    let cases = [(coat, 0.0), (lambert, 0.0), (metal, 0.3), (cloth, 0.0), (both, 0.2)];
+    for (index, (surface, tilt)) in cases.into_iter().enumerate() {
+        let mut layers = surface.layers();
+        layers.finish.clearcoat_normal = direction(tilt, 1.0);
+        for theta in [0.2, 1.2] {
+            let (wo, seed) = (direction(theta, 0.3), 100 + index as u64);
+            let all = p_value(&layers, &|wi| f64::from(layers.pdf(wo, wi)), wo, seed);
+            let draw = |u, _| Some(layers.gloss_sample(wo, u)).filter(|wi| layers.gloss_pdf(wo, *wi) > 0.0);
+            let gloss = p_value_of(&draw, &|wi| f64::from(layers.gloss_pdf(wo, wi)), seed);
+            assert!(all.min(gloss) > SIGNIFICANCE / 20.0, "p {all} {gloss}: {surface:?}, theta {theta}");
+        }
     }
 }
 

@@ -13,7 +13,8 @@ use support::{direction, integrate};
 /// A lobe of the strength `white` over a matte part of the albedo `matte`.
 fn layers(surface: Surface, white: f32, matte: f32) -> Layers<'static> {
     let tint = Vec4::splat(white);
-    Layers { diffuse: Vec3::splat(matte), interface: tint, lobe: Lobe { tint, ..surface.layers().lobe } }
+    let layers = surface.layers();
+    Layers { diffuse: Vec3::splat(matte), interface: tint, lobe: Lobe { tint, ..layers.lobe }, ..layers }
 }
 
 /// Share of the light from `wo` that leaves again; the grid resolves lobes of 2 degrees.
@@ -151,6 +152,10 @@ fn the_parameters_that_a_model_lists_are_those_that_it_reads() {
         &ANISOTROPY,
         &ANISOTROPY_ROTATION,
         &AXES,
+        &CLEARCOAT,
+        &CLEARCOAT_ROUGHNESS,
+        &SHEEN_COLOR,
+        &SHEEN_ROUGHNESS,
     ];
     for &model in Model::ALL {
         let surface = Surface { model, specular: 0.5, metallic: 0.3, roughness: 0.5, ..Surface::default() };

@@ -53,7 +53,7 @@ impl Tracer<'_> {
             let lit = |own: f32| self.direct(&point, wo, of_direct, own);
             return self.caught(&point, ray, direct, lit);
         }
-        if !(self.reflections && point.layers().lobe.is_present()) {
+        if !(self.reflections && point.layers().is_glossy()) {
             return direct;
         }
         let mirrored = sequence.pair(index, Decision::Mirrored);
@@ -72,11 +72,20 @@ impl Tracer<'_> {
         let unshadowed = self.unshadowed.as_ref();
         let unshadowed =
             unshadowed.map_or(Vec3::ZERO, |light| self.reflected(point, wo, (light, own), false, [c, d]));
-        let emissive = if point.catches { Vec3::ZERO } else { point.emissive };
-        emissive + shadowed + unshadowed
+        self.emitted(point, wo) + shadowed + unshadowed
     }
 
-    /// What the glossy lobe reflects towards `wo` of the scene in direct light: one sample of the lobe.
+    /// What a surface sends towards `wo` of its own.
+    fn emitted(&self, point: &HitPoint, wo: Vec3) -> Vec3 {
+        let finish = point.layers().finish;
+        match (point.catches, finish.is_present()) {
+            (true, _) => Vec3::ZERO,
+            (false, false) => point.emissive,
+            (false, true) => point.emissive * finish.emission_weight(point.frame.local_from_world(wo)),
+        }
+    }
+
+    /// What the glossy parts reflect towards `wo` of the scene in direct light: one sample of them.
     fn mirrored(
         &self,
         point: &HitPoint,
@@ -84,15 +93,15 @@ impl Tracer<'_> {
         (direction, chance): (DVec2, f64),
         beyond: [DVec2; 4],
     ) -> Vec3 {
-        let (frame, lobe) = (&point.frame, point.layers().lobe);
+        let (frame, layers) = (&point.frame, point.layers());
         let wo_local = frame.local_from_world(wo);
-        let wi_local = lobe.sample(wo_local, to_vec2(direction));
-        let pdf = lobe.pdf(wo_local, wi_local);
+        let wi_local = layers.gloss_sample(wo_local, to_vec2(direction));
+        let pdf = layers.gloss_pdf(wo_local, wi_local);
         if pdf <= 0.0 {
             return Vec3::ZERO;
         }
         let wi = frame.world_from_local(wi_local).normalize();
-        let reflectance = lobe.value(wo_local, wi_local) * (wi_local.z / pdf);
+        let reflectance = layers.gloss_value(wo_local, wi_local) * (wi_local.z / pdf);
         if reflectance == Vec3::ZERO || wi.dot(point.geometric_normal) <= 0.0 {
             return Vec3::ZERO;
         }
@@ -156,7 +165,7 @@ impl Tracer<'_> {
         let wo_local = frame.local_from_world(wo);
         let lifted = point.lifted();
         let light = light.aim(lifted, frame.n).with_own(own);
-        let share = if layers.lobe.is_present() { GLOSSY_REFLECTION_SHARE } else { MATTE_REFLECTION_SHARE };
+        let share = if layers.is_glossy() { GLOSSY_REFLECTION_SHARE } else { MATTE_REFLECTION_SHARE };
         let wi = if choice.x < share {
             let sample = layers.sample(wo_local, to_vec2(direction), choice.y as f32);
             sample.map(|sample| frame.world_from_local(sample.wi).normalize())

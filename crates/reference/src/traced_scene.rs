@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3, Vec3A};
-use gnomon_brdf::{Frame, Layers, Surface, Tables};
+use gnomon_brdf::{Finish, Frame, Layers, Surface, Tables};
 use gnomon_scene::{
     AlphaMode, Gradients, Material, MeshId, PlacedFade, Scene, WorldVertices, bent_by_heights, mirror_sign,
     normal_matrix,
@@ -80,6 +80,8 @@ pub(crate) struct HitPoint<'a> {
     /// Distance along the normal that clears the rounding of `position` [m].
     pub(crate) clearance: f32,
     pub(crate) surface: Surface,
+    /// Normal of the clear coat in `frame`.
+    coat_normal: Vec3,
     tables: Option<&'a Tables>,
     pub(crate) emissive: Vec3,
     /// Whether lights of the scene stand for its emission.
@@ -95,7 +97,8 @@ pub(crate) struct HitPoint<'a> {
 impl<'a> HitPoint<'a> {
     /// Its reflectance.
     pub(crate) fn layers(&self) -> Layers<'a> {
-        self.surface.layers().with_tables(self.tables)
+        let layers = self.surface.layers().with_tables(self.tables);
+        Layers { finish: Finish { clearcoat_normal: self.coat_normal, ..layers.finish }, ..layers }
     }
 
     /// Start of a shadow ray on the viewer's side of the surface.
@@ -231,12 +234,20 @@ impl<'a> TracedScene<'a> {
         // The bitangent is the mesh's, whichever side is seen.
         let bitangent_sign = point.tangent.w * instance.handedness * n.dot(shading_normal);
         let tangent = instance.normal_from_mesh * point.tangent.truncate();
+        let frame = Frame::from_tangent(n, tangent.extend(bitangent_sign));
+        // Bumps bend the coat with them.
+        let has_own_normal = point.surface.clearcoat > 0.0 && relief.is_none();
+        let coat_normal = match has_own_normal {
+            true => frame.local_from_world(towards(geometric_normal, to_world(point.coat_normal))),
+            false => Vec3::Z,
+        };
         let weights = hit.barycentrics;
         let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
         HitPoint {
             position: (a * weights.x + b * weights.y + c * weights.z).into(),
             geometric_normal,
-            frame: Frame::from_tangent(n, tangent.extend(bitangent_sign)),
+            frame,
+            coat_normal,
             clearance: CLEARANCE * largest,
             surface: if instance.catches { Surface::default() } else { point.surface },
             tables: instance.tables.as_deref().filter(|_| !instance.catches),

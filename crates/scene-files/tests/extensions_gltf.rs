@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::{Affine3A, Quat, Vec3};
+use gnomon_brdf::Model;
 use gnomon_scene::{AlphaMode, AreaLightShape, MeshId, Scene, Spread};
 use gnomon_scene_files::{LoadOptions, load, load_bytes};
 use serde_json::{Value, json};
@@ -75,17 +76,23 @@ fn punctual_lights_have_an_extent_and_their_intensity() {
 
 #[test]
 fn extensions_that_only_add_are_accepted_with_a_word() {
-    for (name, words) in [
-        ("KHR_materials_transmission", "shown opaque"),
-        ("KHR_materials_clearcoat", "clear coats are not drawn"),
-    ] {
+    for (name, words) in
+        [("KHR_materials_transmission", "shown opaque"), ("KHR_materials_volume", "not drawn")]
+    {
         for key in ["extensionsUsed", "extensionsRequired"] {
             let scene = read(&triangle(|d| d[key] = json!([name]))).scene;
             let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
             assert!(warning.starts_with(name) && warning.contains(words), "{key}: {warning}");
         }
     }
-    let silent = ["KHR_materials_unlit", "KHR_materials_variants", "EXT_mesh_gpu_instancing"];
+    let silent = [
+        "KHR_materials_unlit",
+        "KHR_materials_anisotropy",
+        "KHR_materials_clearcoat",
+        "KHR_materials_sheen",
+        "KHR_materials_variants",
+        "EXT_mesh_gpu_instancing",
+    ];
     assert!(read(&triangle(|d| d["extensionsRequired"] = json!(silent))).scene.warnings.is_empty());
     let basisu = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
     let document = triangle(|d| {
@@ -118,6 +125,90 @@ fn what_is_not_lit_emits_its_color_and_reflects_nothing() {
     assert!(point.surface.is_matte());
     assert_eq!(scene.materials[0].base_color_texture, None);
     assert!(unlit("MASK").materials[0].base_color_texture.is_some());
+}
+
+#[test]
+fn a_clear_coat_has_its_own_textures() {
+    let mut document = with_material(json!({"extensions": {"KHR_materials_clearcoat": {
+        "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.8, "clearcoatTexture": {"index": 0},
+        "clearcoatRoughnessTexture": {"index": 0}, "clearcoatNormalTexture": {"index": 0, "scale": 0.5}
+    }}}));
+    document["images"] = json!([{"uri": pixel([51, 102, 255, 255])}]);
+    document["textures"] = json!([{"source": 0}]);
+    let scene = read(&document).scene;
+    let surface = scene.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).surface;
+    assert!((surface.clearcoat - 0.1).abs() < 1e-6 && (surface.clearcoat_roughness - 0.32).abs() < 1e-6);
+    assert_eq!(scene.materials[0].clearcoat_normal_scale, 0.5);
+    // What has no strength has no textures, and damaged numbers are taken at the end of their range.
+    let coat = |factors: Value| {
+        let scene = read(&with_material(json!({"extensions": {"KHR_materials_clearcoat": factors}}))).scene;
+        let surface = scene.materials[0].surface;
+        [surface.clearcoat, surface.clearcoat_roughness]
+    };
+    assert_eq!(coat(json!({})), [0.0, 0.0]);
+    assert_eq!(coat(json!({"clearcoatFactor": 7, "clearcoatRoughnessFactor": -1})), [1.0, 0.0]);
+}
+
+#[test]
+fn anisotropy_is_a_model_and_its_texture_a_direction() {
+    let open = |anisotropy: Value| {
+        let mut document = with_material(json!({
+            "pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0}},
+            "extensions": {"KHR_materials_anisotropy": anisotropy}
+        }));
+        document["images"] = json!([{"uri": pixel([0, 128, 204, 255])}]);
+        document["textures"] = json!([{"source": 0}]);
+        let uvs = add_accessor(&mut document, &bytes(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), 5126, 3, "VEC2");
+        document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uvs);
+        read(&document).scene
+    };
+    let scene = open(
+        json!({"anisotropyStrength": 0.5, "anisotropyRotation": 0.25, "anisotropyTexture": {"index": 0}}),
+    );
+    let surface = scene.materials[0].surface;
+    assert_eq!((surface.model, surface.anisotropy_rotation), (Model::AnisotropicGgx, 0.25));
+    // Strength and roughness are those of the textures' means.
+    assert!(
+        (surface.anisotropy - 0.4).abs() < 1e-6 && (surface.roughness - 0.251).abs() < 1e-3,
+        "{surface:?}"
+    );
+    // The texel points against u.
+    let tangent = scene.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).tangent;
+    let straight = open(json!({"anisotropyStrength": 0.5}));
+    let along_u = straight.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).tangent;
+    assert!(tangent.truncate().dot(along_u.truncate()) < -0.99, "{tangent} {along_u}");
+    let none = open(json!({"anisotropyTexture": {"index": 0}}));
+    assert_eq!(none.materials[0].surface.model, Model::MetallicRoughness);
+    assert_eq!(none.materials[0].anisotropy_texture, None);
+}
+
+#[test]
+fn sheen_has_its_own_textures_but_under_a_coat() {
+    let open = |clearcoat: f32| {
+        let mut document = with_material(json!({"extensions": {
+            "KHR_materials_clearcoat": {"clearcoatFactor": clearcoat},
+            "KHR_materials_sheen": {
+                "sheenColorFactor": [1, 0.5, 0], "sheenRoughnessFactor": 0.5,
+                "sheenColorTexture": {"index": 0}, "sheenRoughnessTexture": {"index": 0}
+            }
+        }}));
+        document["images"] = json!([{"uri": pixel([188, 188, 0, 51])}]);
+        document["textures"] = json!([{"source": 0}]);
+        read(&document).scene
+    };
+    for (clearcoat, warnings) in [(0.0, 0), (0.5, 1)] {
+        let scene = open(clearcoat);
+        assert_eq!(scene.warnings.len(), warnings, "{:?}", scene.warnings);
+        assert_eq!(scene.materials[0].has_sheen_textures(), clearcoat == 0.0);
+        let surface = scene.surface_at(MeshId(0), 0, Vec3::splat(1.0 / 3.0)).surface;
+        // sRGB 188 is 0.503 in linear light.
+        assert!(
+            surface.sheen_color.distance(Vec3::new(0.503, 0.2515, 0.0)) < 1e-3,
+            "{}",
+            surface.sheen_color
+        );
+        assert!((surface.sheen_roughness - 0.1).abs() < 1e-6);
+    }
 }
 
 #[test]

@@ -103,6 +103,20 @@ pub struct Material {
     pub specular_texture: Option<TextureRef>,
     /// sRGB: specular tint.
     pub specular_color_texture: Option<TextureRef>,
+    /// Linear: direction along which an anisotropic lobe is wide, x and y in tangent space as R and G.
+    pub anisotropy_texture: Option<TextureRef>,
+    /// Linear: strength of the clear coat in R.
+    pub clearcoat_texture: Option<TextureRef>,
+    /// Linear: roughness of the clear coat in G.
+    pub clearcoat_roughness_texture: Option<TextureRef>,
+    /// Linear: tangent-space normal of the clear coat, which `normal_texture` does not bend.
+    pub clearcoat_normal_texture: Option<TextureRef>,
+    /// Scale of its x and y.
+    pub clearcoat_normal_scale: f32,
+    /// sRGB: sheen colour.
+    pub sheen_color_texture: Option<TextureRef>,
+    /// Linear: roughness of the sheen in A.
+    pub sheen_roughness_texture: Option<TextureRef>,
     /// Emitted radiance, linear.
     pub emissive: Vec3,
     /// sRGB: multiplies `emissive`.
@@ -137,6 +151,13 @@ impl Default for Material {
             height: None,
             specular_texture: None,
             specular_color_texture: None,
+            anisotropy_texture: None,
+            clearcoat_texture: None,
+            clearcoat_roughness_texture: None,
+            clearcoat_normal_texture: None,
+            clearcoat_normal_scale: 1.0,
+            sheen_color_texture: None,
+            sheen_roughness_texture: None,
             emissive: Vec3::ZERO,
             emissive_texture: None,
             emissive_vertex_colors: false,
@@ -159,20 +180,32 @@ impl Material {
         self.surface.tables().map(Arc::new).or_else(|| self.tables.clone())
     }
 
-    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map.
+    /// The set of texture coordinates whose u its meshes' tangents follow, where it needs any: that of its normal map, else of its coat's, else of its lobe's direction.
     pub fn tangent_set(&self) -> Option<usize> {
         let needs_tangent = self.surface.model.needs_tangent();
-        self.normal_texture.map(|texture| texture.set).or(needs_tangent.then_some(0))
+        let normals = self.normal_texture.or(self.clearcoat_normal_texture).or(self.anisotropy_texture);
+        normals.map(|texture| texture.set).or(needs_tangent.then_some(0))
+    }
+
+    /// Whether textures vary its sheen.
+    pub fn has_sheen_textures(&self) -> bool {
+        self.sheen_color_texture.or(self.sheen_roughness_texture).is_some()
     }
 
     /// Every place for a texture.
-    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 6] {
+    pub(crate) fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 12] {
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.specular_texture,
             &mut self.specular_color_texture,
+            &mut self.anisotropy_texture,
+            &mut self.clearcoat_texture,
+            &mut self.clearcoat_roughness_texture,
+            &mut self.clearcoat_normal_texture,
+            &mut self.sheen_color_texture,
+            &mut self.sheen_roughness_texture,
             &mut self.emissive_texture,
         ]
     }

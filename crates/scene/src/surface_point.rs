@@ -18,7 +18,9 @@ pub struct SurfacePoint {
     pub shading_normal: Vec3,
     /// Interpolated vertex normal.
     pub smooth_normal: Vec3,
-    /// Interpolated tangent with the bitangent's sign in w; zero where the mesh has none.
+    /// Normal of the clear coat: the interpolated vertex normal, bent by the coat's own normal map.
+    pub coat_normal: Vec3,
+    /// Interpolated tangent with the bitangent's sign in w, turned to the direction of an anisotropic lobe; zero where the mesh has none.
     pub tangent: Vec4,
     /// Normal of the triangle's plane; the shading normal where the triangle has no area.
     pub geometric_normal: Vec3,
@@ -87,6 +89,18 @@ impl Scene {
         if let Some(texture) = material.specular_color_texture {
             surface.specular_color *= self.srgb(texture, uvs).truncate();
         }
+        if let Some(texture) = material.clearcoat_texture {
+            surface.clearcoat *= self.linear(texture, uvs).x;
+        }
+        if let Some(texture) = material.clearcoat_roughness_texture {
+            surface.clearcoat_roughness *= self.linear(texture, uvs).y;
+        }
+        if let Some(texture) = material.sheen_color_texture {
+            surface.sheen_color *= self.srgb(texture, uvs).truncate();
+        }
+        if let Some(texture) = material.sheen_roughness_texture {
+            surface.sheen_roughness *= self.linear(texture, uvs).w;
+        }
         let mut emissive = material.emissive;
         if let Some(texture) = material.emissive_texture {
             emissive *= self.srgb(texture, uvs).truncate();
@@ -112,10 +126,19 @@ impl Scene {
             let texel = self.linear(texture, uvs).truncate();
             shading_normal = perturb_normal(smooth, tangent, texel, material.normal_scale);
         }
+        let mut coat_normal = smooth;
+        if let (Some(texture), false) = (material.clearcoat_normal_texture, tangents.is_empty()) {
+            let texel = self.linear(texture, uvs).truncate();
+            coat_normal = perturb_normal(smooth, tangent, texel, material.clearcoat_normal_scale);
+        }
+        if let (Some(texture), false) = (material.anisotropy_texture, tangents.is_empty()) {
+            tangent = turned_tangent(smooth, tangent, self.linear(texture, uvs));
+        }
         SurfacePoint {
             surface,
             shading_normal,
             smooth_normal: smooth,
+            coat_normal,
             tangent,
             geometric_normal: plane.unwrap_or(smooth),
             uvs,
@@ -193,6 +216,15 @@ pub fn perturb_normal(normal: Vec3, tangent: Vec4, texel: Vec3, scale: f32) -> V
     let b = normal.cross(t) * tangent.w;
     let local = 2.0 * texel - Vec3::ONE;
     (t * local.x * scale + b * local.y * scale + normal * local.z).try_normalize().unwrap_or(normal)
+}
+
+/// A tangent turned to the direction of an anisotropy texture's texel (`KHR_materials_anisotropy`); as it was where that has none.
+pub fn turned_tangent(normal: Vec3, tangent: Vec4, texel: Vec4) -> Vec4 {
+    let t = tangent.truncate();
+    let across = (t - normal * normal.dot(t)).normalize_or_zero();
+    let [x, y] = [2.0 * texel.x - 1.0, 2.0 * texel.y - 1.0];
+    let turned = across * x + normal.cross(across) * (tangent.w * y);
+    if turned.length_squared() > 1e-6 { turned.extend(tangent.w) } else { tangent }
 }
 
 /// Takes normals from mesh to world space; normalize the result. This is the cofactor matrix of the linear part, its

@@ -50,6 +50,9 @@ static MODULES: LazyLock<BTreeMap<&str, Cow<'_, str>>> = LazyLock::new(|| {
 /// The module of reflectance models, and the slot that names those that it is to have.
 const MODELS: &str = "brdf_models";
 
+/// The module of what lies on the base of surfaces, and the name among those of models that asks for it.
+const FINISH: &str = "finish";
+
 /// Every module that the renderer makes a pipeline of.
 pub const ENTRIES: &[Entry] = &[
     Entry { module: "basis", slots: &[] },
@@ -118,7 +121,8 @@ pub fn modules() -> impl Iterator<Item = &'static str> {
 /// The WGSL of `module` with everything it imports before it, each module once.
 ///
 /// A line `#import name` brings in a module, `#import slot:name` the module that `slots` puts there. The slot `brdf_models` holds names of
-/// reflectance models, separated by blanks: shaders then know no others. Without it they know all.
+/// reflectance models, separated by blanks: shaders then know no others, and what lies on them only where `finish` is among the names. Without
+/// it they know all.
 pub fn resolve(module: &str, slots: &[Slot<'_>]) -> Result<String, ShaderError> {
     let mut resolver = Resolver { slots, done: BTreeSet::new(), output: String::new() };
     resolver.add(module, "the renderer")?;
@@ -142,10 +146,14 @@ impl Resolver<'_> {
         if !self.done.insert(module.to_owned()) {
             return Ok(());
         }
-        let models = self.slots.iter().find(|(slot, _)| *slot == module && module == MODELS);
+        let models = self.slots.iter().find(|(slot, _)| *slot == MODELS).map(|(_, names)| names);
+        let has_finish = models.is_none_or(|names| names.split(' ').any(|name| name == FINISH));
         let source = match models {
-            Some((_, names)) => Cow::from(models_named(names)),
-            None => MODULES.get(module).cloned().ok_or_else(|| ShaderError::UnknownModule {
+            Some(names) if module == MODELS => Cow::from(models_named(names)),
+            _ if module == FINISH => {
+                Cow::from(if has_finish { "#import finish_some" } else { "#import finish_none" })
+            }
+            _ => MODULES.get(module).cloned().ok_or_else(|| ShaderError::UnknownModule {
                 module: module.to_owned(),
                 importer: importer.to_owned(),
             })?,

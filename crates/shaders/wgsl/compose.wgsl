@@ -66,6 +66,18 @@ struct Shaded {
     lit: vec3f,
 }
 
+// What lies on the base reflects of the ambient rest; sheen is taken as matte.
+fn finish_ambient(surface: Surface) -> vec3f {
+    let lobe = coat_lobe_of(surface);
+    let n = coat_normal_of(surface);
+    let n_dot_v = max(dot(n, surface.wo), 1e-4);
+    let albedo = default_albedo(lobe, n_dot_v, environment_brdf(n_dot_v, lobe.shape));
+    let level = prefiltered_level(alpha_from_roughness(lobe.shape), f32(textureNumLevels(prefiltered_residual) - 1u));
+    let coat = equirect_lookup_level(prefiltered_residual, environment_direction(reflect(-surface.wo, n)), level) * albedo;
+    let irradiance = max(sh_irradiance(view.residual_sh, environment_direction(surface.n)), vec3f(0.0));
+    return coat + sheen_albedo_of(surface) / PI * irradiance;
+}
+
 fn shade(surface: Surface, sums: LightSums) -> Shaded {
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
 
@@ -73,7 +85,7 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
     let open = select(1.0, sums.probed_open / sums.probed, sums.probed > 0.0);
     // What the interface lets through to the matte part, for light along the normal: v.h stays far from grazing for most light even
     // where n.v does not.
-    let base_weight = reflectance_matte_weight(surface.lobe, surface.interface_tint, sqrt(0.5 + 0.5 * n_dot_v));
+    let base_weight = matte_weight_of(surface, sqrt(0.5 + 0.5 * n_dot_v));
     let n_environment = environment_direction(surface.n);
     let ambient_diffuse = max(sh_irradiance(view.residual_sh, n_environment), vec3f(0.0));
     let fit_diffuse = ambient_diffuse + sums.diffuse_unshadowed;
@@ -91,7 +103,7 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
     let is_lit = full_diffuse > vec3f(1e-20);
     shaded.shadow = select(vec3f(1.0), environment_diffuse / max(full_diffuse, vec3f(1e-20)), is_lit);
     shaded.lit = shaded.shadow + select(vec3f(0.0), sums.diffuse_near / max(full_diffuse, vec3f(1e-20)), is_lit);
-    if has_lobe(surface.lobe) {
+    if has_gloss(surface) {
         let roughness = reflectance_equivalent_roughness(surface.lobe);
         let specular_albedo = reflectance_albedo(surface.lobe, n_dot_v, environment_brdf(n_dot_v, roughness));
         let reflected = reflect(-surface.wo, surface.n);
@@ -102,13 +114,16 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
         var ambient_specular = vec3f(0.0);
         if !is_traced {
             ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
+            if has_finish(surface) {
+                ambient_specular = base_share(surface) * ambient_specular + finish_ambient(surface);
+            }
         }
         let fit_specular = ambient_specular + sums.specular_unshadowed;
         var full_specular: vec3f;
         let layer = cached_layer(surface.lobe);
         if is_traced || has_own_light {
             full_specular = fit_specular;
-        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u || is_tabulated(surface.lobe) {
+        } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u || is_tabulated(surface.lobe) || has_finish(surface) {
             full_specular = sampled_specular(surface);
         } else if layer >= 0 {
             full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
@@ -234,7 +249,7 @@ fn sums_of(sample: vec2u, surface: Surface, is_smooth: bool, own_of_pixel: u32) 
     if point == NO_POINT && is_smooth {
         point = own_of_pixel;
         // Few rays are grainy, and neighbours have others.
-        let is_grainy = (view.flags & FLAG_TRACED_GLOSS) != 0u && has_lobe(surface.lobe);
+        let is_grainy = (view.flags & FLAG_TRACED_GLOSS) != 0u && has_gloss(surface);
         if point == NO_POINT && !is_grainy && view.point_lists[list].sampling <= view.supersample {
             point = neighbour_point(list, sample, 4);
         }

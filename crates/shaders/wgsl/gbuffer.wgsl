@@ -111,13 +111,16 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     var color = surface.color;
     var packed: PackedSurface;
     packed.material = surface.material;
-    packed.uv = fract(surface.uvs.xy);
     packed.emission = select(vec3f(1.0), surface.color.rgb, material.emissive_vertex_colors != 0u);
     packed.specular_color = vec3f(1.0);
     packed.specular = 1.0;
     packed.roughness = material.roughness;
     packed.metallic = 1.0;
     var tilt = vec3f(0.0, 0.0, 1.0);
+    var direction = vec2f(1.0, 0.0);
+    var coat = vec2f(1.0);
+    var sheen = vec4f(1.0);
+    var coat_tilt = vec3f(0.0, 0.0, 1.0);
     let to_viewer = view.eye_world.xyz - surface.position_world * view.eye_world.w;
     let facet = cross(across, down);
     let smooth_normal = smooth_normal_of(surface, facet, to_viewer);
@@ -139,8 +142,6 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
             }
             case TEXTURE_NORMAL: {
                 tilt = (2.0 * texel.xyz - 1.0) * vec3f(material.normal_scale, material.normal_scale, 1.0);
-                let uv = texture_uv(texture, surface.uvs);
-                packed.uv = vec2f(wrapped_coordinate(uv.x, texture.wrap.x), wrapped_coordinate(uv.y, texture.wrap.y));
             }
             case TEXTURE_HEIGHT: {
                 let gradients = uv_gradients(
@@ -163,6 +164,24 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
             case TEXTURE_SPECULAR_COLOR: {
                 packed.specular_color *= texel.rgb;
             }
+            case TEXTURE_CLEARCOAT: {
+                coat.x *= texel.r;
+            }
+            case TEXTURE_CLEARCOAT_ROUGHNESS: {
+                coat.y *= texel.g;
+            }
+            case TEXTURE_CLEARCOAT_NORMAL: {
+                coat_tilt = (2.0 * texel.xyz - 1.0) * vec3f(vec2f(material.clearcoat_normal_scale), 1.0);
+            }
+            case TEXTURE_ANISOTROPY: {
+                direction = 2.0 * texel.rg - 1.0;
+            }
+            case TEXTURE_SHEEN_COLOR: {
+                sheen *= vec4f(texel.rgb, 1.0);
+            }
+            case TEXTURE_SHEEN_ROUGHNESS: {
+                sheen.a *= texel.a;
+            }
             case TEXTURE_EMISSIVE: {
                 packed.emission *= texel.rgb;
             }
@@ -176,11 +195,13 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     geometric_normal *= select(-1.0, 1.0, dot(geometric_normal, to_viewer) >= 0.0);
 
     var normal = smooth_normal;
+    var coat_normal = smooth_normal;
     let tangent_length = length(surface.tangent_world.xyz);
     if tangent_length > 0.0 {
         let tangent = surface.tangent_world.xyz / tangent_length;
         let bitangent = cross(normal, tangent) * surface.tangent_world.w;
         normal = normalize(tangent * tilt.x + bitangent * tilt.y + normal * tilt.z);
+        coat_normal = normalize(tangent * coat_tilt.x + bitangent * coat_tilt.y + smooth_normal * coat_tilt.z);
     }
     if view.bumps != 0u {
         normal = bent_by_heights(normal, smooth_normal, rise);
@@ -189,6 +210,20 @@ fn drawn_with_opacity(surface: Varying) -> Drawn {
     let turn = select(-1.0, 1.0, dot(normal, geometric_normal) >= 0.0);
     packed.geometric_normal = geometric_normal;
     // The bitangent stays where it is when the normal turns.
-    packed.frame = frame_from_tangent(normal * turn, vec4f(surface.tangent_world.xyz, surface.tangent_world.w * turn));
+    var tangent = surface.tangent_world.xyz;
+    if any(direction != vec2f(1.0, 0.0)) && dot(direction, direction) > 1e-6 {
+        let across = tangent - smooth_normal * dot(smooth_normal, tangent);
+        tangent = across * direction.x + cross(smooth_normal, across) * (surface.tangent_world.w * direction.y);
+    }
+    packed.frame = frame_from_tangent(normal * turn, vec4f(tangent, surface.tangent_world.w * turn));
+    coat_normal *= select(-1.0, 1.0, dot(coat_normal, geometric_normal) >= 0.0);
+    if material.has_sheen_textures != 0u {
+        packed.finish = pack_sheen(sheen.rgb, sheen.a);
+    } else if material.clearcoat > 0.0 {
+        // Bumps bend the coat with them.
+        let is_bumpy = any(material.height_slope != vec2f(0.0));
+        let tilt = select(local_from_world(packed.frame, coat_normal).xy, vec2f(0.0), is_bumpy);
+        packed.finish = pack_coat(coat.x, coat.y, tilt);
+    }
     return Drawn(packed, opacity_of(material, material.base_color.a * color.a));
 }

@@ -11,8 +11,8 @@ struct PackedSurface {
     geometric_normal: vec3f,
     // Number of the material, below 65536.
     material: u32,
-    // Coordinates in the material's normal map, in [0, 1) where it repeats; without one those of the mesh's first set.
-    uv: vec2f,
+    // What textures say of what lies on the base: `pack_coat`, or `pack_sheen` of a material with such textures.
+    finish: u32,
     base_color: vec3f,
     emission: vec3f,
     specular_color: vec3f,
@@ -66,7 +66,39 @@ fn unpack_rgb9e5(word: u32) -> vec3f {
     return vec3f(mantissas) * power_of_two(i32(word >> 27u) - 24);
 }
 
-// Normals, tangent and material, texture coordinates.
+// `x` in [-1, 1] as 10 bits of its root with the sign, so that small ones keep their digits.
+fn pack_signed_root(x: f32) -> u32 {
+    return u32(512.5 + 511.0 * sign(x) * sqrt(min(abs(x), 1.0)));
+}
+
+fn unpack_signed_root(bits: u32) -> f32 {
+    let root = (f32(bits & 0x3ffu) - 512.0) / 511.0;
+    return root * abs(root);
+}
+
+// What textures multiply strength and roughness of the clear coat with, as 6 bits each of their roots, and x and y of the coat's normal in the
+// tangent frame.
+fn pack_coat(clearcoat: f32, roughness: f32, tilt: vec2f) -> u32 {
+    let roots = vec2u(sqrt(saturate(vec2f(clearcoat, roughness))) * 63.0 + 0.5);
+    return roots.x | (roots.y << 6u) | (pack_signed_root(tilt.x) << 12u) | (pack_signed_root(tilt.y) << 22u);
+}
+
+fn unpack_coat(word: u32) -> vec4f {
+    let roots = vec2f(vec2u(word, word >> 6u) & vec2u(63u)) / 63.0;
+    return vec4f(roots * roots, unpack_signed_root(word >> 12u), unpack_signed_root(word >> 22u));
+}
+
+// What textures multiply colour (roots) and roughness of the sheen with.
+fn pack_sheen(color: vec3f, roughness: f32) -> u32 {
+    return pack4x8unorm(vec4f(sqrt(saturate(color)), roughness));
+}
+
+fn unpack_sheen(word: u32) -> vec4f {
+    let roots = unpack4x8unorm(word);
+    return vec4f(roots.rgb * roots.rgb, roots.a);
+}
+
+// Normals, tangent and material, and what lies on the base.
 fn pack_geometry(surface: PackedSurface) -> vec4u {
     let normal = pack_normal(surface.frame.n);
     let tangent = pack_tangent(unpack_normal(normal), surface.frame);
@@ -74,7 +106,7 @@ fn pack_geometry(surface: PackedSurface) -> vec4u {
         normal,
         pack_normal(surface.geometric_normal),
         tangent | (surface.material << 16u),
-        pack2x16unorm(surface.uv),
+        surface.finish,
     );
 }
 
@@ -97,7 +129,7 @@ fn unpack_surface(geometry: vec4u, reflectance: vec4u) -> PackedSurface {
     surface.frame = unpack_frame(unpack_normal(geometry.x), geometry.z);
     surface.geometric_normal = unpack_normal(geometry.y);
     surface.material = geometry.z >> 16u;
-    surface.uv = unpack2x16unorm(geometry.w);
+    surface.finish = geometry.w;
     surface.base_color = vec3f(unpack2x16float(reflectance.x), unpack2x16float(reflectance.y & 0x7fffu).x);
     let root = f32((reflectance.y >> 15u) & 0x3ffu) / 1023.0;
     surface.roughness = root * root;

@@ -1,5 +1,6 @@
 #import sample_places
 #import brdf_models
+#import finish
 #import gbuffer_packing
 #import materials
 
@@ -23,6 +24,9 @@ struct Surface {
     interface_tint: vec4f,
     // The glossy part.
     lobe: Lobe,
+    // What lies on both.
+    finish: SurfaceFinish,
+    // What leaves the surface.
     emission: vec3f,
 }
 
@@ -108,6 +112,7 @@ fn surface_at(sample: vec2u, depth: f32) -> Surface {
         material.base_color.rgb * packed.base_color * (1.0 - material.metallic * packed.metallic);
     surface.interface_tint = interface_tint(material, packed);
     surface.lobe = lobe_of(material, packed);
-    surface.emission = material.emissive * packed.emission;
+    surface.finish = finish_of(material, packed, surface.lobe, local_from_world(surface.frame, surface.wo));
+    surface.emission = emitted_through(surface.finish, material.emissive * packed.emission);
     return surface;
 }

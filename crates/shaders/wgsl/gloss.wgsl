@@ -15,10 +15,10 @@ fn gloss(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_inde
         return;
     }
     var surface = surface_of(point);
-    if !has_lobe(surface.lobe) {
+    if !has_gloss(surface) {
         return;
     }
-    let alpha = alpha_from_roughness(reflectance_equivalent_roughness(surface.lobe));
+    let alpha = sharpest_alpha(surface);
     if stage.list != select(view.point_list_count - 1u, view.rough_gloss_list, alpha >= ROUGH_ALPHA) {
         return;
     }

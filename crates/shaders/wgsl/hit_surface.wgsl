@@ -57,6 +57,7 @@ fn surface_of_hit(hit: RayHit, direction: vec3f) -> Surface {
     packed.specular = means.z;
     packed.roughness = material.roughness * means.y;
     packed.metallic = means.x;
+    packed.finish = select(pack_coat(1.0, 1.0, vec2f(0.0)), pack_sheen(vec3f(1.0), 1.0), material.has_sheen_textures != 0u);
     if rows[0].w > 0.0 {
         let texel = vec2f(dot(rows[0].xy, uv) + rows[0].z, dot(rows[1].xy, uv) + rows[1].z);
         let wrap = u32(rows[1].w);
@@ -68,7 +69,8 @@ fn surface_of_hit(hit: RayHit, direction: vec3f) -> Surface {
         material.base_color.rgb * packed.base_color * (1.0 - material.metallic * packed.metallic);
     surface.interface_tint = interface_tint(material, packed);
     surface.lobe = lobe_of(material, packed);
-    surface.emission = material.emissive * packed.emission;
+    surface.finish = finish_of(material, packed, surface.lobe, local_from_world(surface.frame, surface.wo));
+    surface.emission = emitted_through(surface.finish, material.emissive * packed.emission);
     return surface;
 }
 

@@ -47,7 +47,7 @@ fn light(
         var specular = vec3f(0.0);
         let is_own = lights[light].kind != KIND_DISTANT || lights[light].role == ROLE_SUN;
         let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && !is_own;
-        if form_factor > 0.0 && has_lobe(surface.lobe) && !is_traced {
+        if form_factor > 0.0 && has_gloss(surface) && !is_traced {
             specular = light_specular(light, surface) * radiance;
         }
         if !is_own {

@@ -110,8 +110,8 @@ fn light_patch(light: u32, surface: Surface) -> LightPatch {
     return seen;
 }
 
-// Radiance reflected by the surface's glossy part per unit of the light's radiance.
+// Radiance reflected by the surface's glossy parts per unit of the light's radiance.
 fn light_specular(light: u32, surface: Surface) -> vec3f {
     let wo = local_from_world(surface.frame, surface.wo);
-    return reflectance_light_lobe(surface.lobe, wo, light_patch(light, surface));
+    return gloss_light(surface, wo, light_patch(light, surface));
 }

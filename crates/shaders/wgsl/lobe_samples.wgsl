@@ -28,8 +28,8 @@ const SAMPLES_OF_RAY: u32 = 4u;
 // The lobe's sample for `u` in the unit square, one of `count`; it adds nothing where it would go under the surface.
 fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     let wo = local_from_world(surface.frame, surface.wo);
-    let wi = reflectance_sample(surface.lobe, wo, u);
-    let pdf = reflectance_pdf(surface.lobe, wo, wi);
+    let wi = gloss_sample(surface, wo, u);
+    let pdf = gloss_pdf(surface, wo, wi);
     if pdf <= 0.0 || wi.z <= 0.0 {
         return LobeSample(surface.n, vec3f(0.0), vec3f(0.0));
     }
@@ -38,14 +38,14 @@ fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     let level = 0.5 * log2(max(texels_per_sample, 1e-6));
     let direction = world_from_local(surface.frame, wi);
     let towards = (view.environment_from_world * vec4f(direction, 0.0)).xyz;
-    let reflected = reflectance_lobe(surface.lobe, wo, wi) * (wi.z / (pdf * f32(count)));
+    let reflected = gloss_value(surface, wo, wi) * (wi.z / (pdf * f32(count)));
     return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level), reflected);
 }
 
 // Rays of a lobe: its share of all that the surface reflects, for the rest hides their grain, and fewer of narrow ones, where what all of them see
 // is alike.
 fn rays_of(surface: Surface) -> u32 {
-    let alpha = alpha_from_roughness(reflectance_equivalent_roughness(surface.lobe));
+    let alpha = widest_alpha(surface);
     var reflected = vec3f(0.0);
     for (var i = 0u; i < ALBEDO_SAMPLES; i++) {
         reflected += lobe_sample(surface, hammersley(i, ALBEDO_SAMPLES), ALBEDO_SAMPLES).reflected;
@@ -53,7 +53,7 @@ fn rays_of(surface: Surface) -> u32 {
     let glossy = luminance(reflected);
     let share = glossy / max(glossy + luminance(surface.diffuse_color), 1e-9);
     let rays = u32(share * min(sqrt(alpha / ROUGH_ALPHA), 1.0) * f32(view.gloss_samples));
-    return max(rays, min(LEAST_RAYS, view.gloss_samples));
+    return glossy_parts(surface) * max(rays, min(LEAST_RAYS, view.gloss_samples));
 }
 
 // What a surface's lobe reflects of the whole environment, unshadowed.

@@ -45,10 +45,10 @@ fn sent_by(surface: Surface, origin: vec3f, number: u32) -> vec3f {
     let towards_sky = (vec4f(textureLoad(sky_samples, vec2u(chosen, 0u), 0).xyz, 0.0) * view.environment_from_world).xyz;
     let irradiance = textureLoad(sky_samples, vec2u(chosen, 1u), 0).rgb * (cosines * f32(SKY_SAMPLES / SKY_BLOCK));
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
-    let weight = reflectance_matte_weight(surface.lobe, surface.interface_tint, sqrt(0.5 + 0.5 * n_dot_v));
+    let weight = matte_weight_of(surface, sqrt(0.5 + 0.5 * n_dot_v));
     var sent = surface.diffuse_color / PI * weight * irradiance;
     var direction = towards_sky;
-    if has_lobe(surface.lobe) {
+    if has_gloss(surface) {
         let place = fract(0.5 + f32(number) * vec2f(0.7548777, 0.5698403));
         let sample = lobe_sample(surface, place, FAR_LOBE_SAMPLES);
         let glossy = f32(FAR_LOBE_SAMPLES) * sample.radiance;

@@ -16,9 +16,8 @@ fn normal_power_at(sample: vec2u) -> f32 {
         return resample_normal_power(1.0);
     }
     let packed = packed_surface_at(sample);
-    let lobe = lobe_of(materials[packed.material], packed);
-    let roughness = reflectance_equivalent_roughness(lobe);
-    return resample_normal_power(select(1.0, alpha_from_roughness(roughness), has_lobe(lobe)));
+    let material = materials[packed.material];
+    return resample_normal_power(sharpest_alpha_of(material, packed, lobe_of(material, packed)));
 }
 
 // Weight of a shading point of a list for a sample of the picture.

@@ -1,6 +1,6 @@
 //! What a panel offers, as JSON: every option that matters, with its kind, range, help and value.
 
-use gnomon_brdf::{Model, Parameter};
+use gnomon_brdf::{FINISH, Model, Parameter};
 use gnomon_options::{Given, Kind, OptionError, OptionSpec, OptionValue, Options, matters, specs};
 use gnomon_scene::ReflectanceSettings;
 use gnomon_studio::{Clip, Look};
@@ -235,7 +235,7 @@ pub fn material(look: &Look) -> Material {
         value: settings.get(parameter).map(|value| value.to_array()),
     };
     let required = model.required().iter().map(|parameter| offer(parameter, false));
-    let optional = model.optional().iter().map(|parameter| offer(parameter, true));
+    let optional = model.optional().iter().chain(FINISH).map(|parameter| offer(parameter, true));
     Material { model: model.name(), models: models.collect(), parameters: required.chain(optional).collect() }
 }
 

@@ -6,7 +6,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::{Layers, LightPatch, Lobe, Parameter, Surface, Tables};
+use crate::{FINISH, Layers, LightPatch, Lobe, Parameter, Surface, Tables};
 
 pub mod anisotropic_ggx;
 pub mod blinn_phong;
@@ -202,9 +202,9 @@ models! {
 }
 
 impl Model {
-    /// Every parameter that concerns it, those that must be given first.
+    /// Every parameter that concerns it, those that must be given first, and last those of what lies on any model.
     pub fn parameters(self) -> impl Iterator<Item = &'static Parameter> {
-        self.required().iter().chain(self.optional()).copied()
+        self.required().iter().chain(self.optional()).chain(FINISH).copied()
     }
 
     /// The model of that name.

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use gnomon::brdf::{Model, Parameter};
+use gnomon::brdf::{FINISH, Model, Parameter};
 use gnomon::options::Given;
 use gnomon::scene::{Camera, ReflectanceSettings, builtin};
 use gnomon::scene_files::{self, read_camera};
@@ -101,7 +101,8 @@ fn reflectance_help() -> String {
         let needs = if required.is_empty() { String::new() } else { format!("; needs {required}") };
         text += &format!("\n- {}: {}{needs}; takes {optional}", model.name(), model.summary());
     }
-    text
+    let finish = FINISH.iter().map(|parameter| parameter.names()).collect::<Vec<_>>().join(", ");
+    text + &format!("\nEach takes {finish}, too")
 }
 
 /// Reads the environment, takes the pose, and tells what had to be repaired as warnings.

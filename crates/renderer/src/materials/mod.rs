@@ -72,6 +72,12 @@ fn textures(material: &Material) -> impl Iterator<Item = (u32, TextureUse, Place
         (layout::TEXTURE_SPECULAR, data, material.specular_texture),
         (layout::TEXTURE_SPECULAR_COLOR, colors, material.specular_color_texture),
         (layout::TEXTURE_EMISSIVE, colors, material.emissive_texture),
+        (layout::TEXTURE_ANISOTROPY, data, material.anisotropy_texture),
+        (layout::TEXTURE_CLEARCOAT, data, material.clearcoat_texture),
+        (layout::TEXTURE_CLEARCOAT_ROUGHNESS, data, material.clearcoat_roughness_texture),
+        (layout::TEXTURE_CLEARCOAT_NORMAL, data, material.clearcoat_normal_texture),
+        (layout::TEXTURE_SHEEN_COLOR, colors, material.sheen_color_texture),
+        (layout::TEXTURE_SHEEN_ROUGHNESS, data, material.sheen_roughness_texture),
     ];
     let pictures = places.into_iter().filter_map(|(kind, used, reference)| {
         let TextureRef { texture, uv_from_mesh, set } = reference?;
@@ -260,6 +266,7 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
         // Nothing glossy without tables, as on the CPU.
         surface = Surface { model: Model::Lambert, ..surface }.of_its_model();
     }
+    let finish = surface.finish();
     let height_slope = material.height.map_or(Vec2::ZERO, |height| {
         let map = &scene.height_maps[height.map.0];
         height.scale * height_range(map) * UVec2::from(map.size()).as_vec2()
@@ -291,6 +298,12 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
         shape: if shared { 1.0 } else { shape },
         roughness: if shared { shape } else { 1.0 },
         height_slope,
+        clearcoat: finish.clearcoat,
+        clearcoat_roughness: finish.clearcoat_roughness,
+        clearcoat_normal_scale: material.clearcoat_normal_scale,
+        sheen_color: finish.sheen_color,
+        sheen_roughness: finish.sheen_roughness,
+        has_sheen_textures: u32::from(material.has_sheen_textures() && finish.clearcoat == 0.0),
         ..Default::default()
     }
 }

@@ -1,10 +1,10 @@
 //! The G-buffer's packing: the shader's words mean what the twin's mean, and hold what went in as well as their bits allow.
 
-use glam::{UVec4, Vec2, Vec3, Vec4};
+use glam::{UVec4, Vec2, Vec3, Vec4, Vec4Swizzles};
 use gnomon_brdf::Frame;
 use gnomon_shaders::twin::gbuffer_packing::{
-    PackedSurface, pack_geometry, pack_normal, pack_reflectance, pack_rgb9e5, unpack_normal, unpack_rgb9e5,
-    unpack_surface,
+    PackedSurface, pack_coat, pack_geometry, pack_normal, pack_reflectance, pack_rgb9e5, pack_sheen,
+    unpack_coat, unpack_normal, unpack_rgb9e5, unpack_sheen, unpack_surface,
 };
 
 use super::{compare, unit_vector};
@@ -19,7 +19,7 @@ fn surface(n: Vec3, tangent: Vec4) -> PackedSurface {
         frame: Frame::from_tangent(n, tangent),
         geometric_normal: -n,
         material: 4711,
-        uv: Vec2::new(0.25, 0.75),
+        finish: 0x1234_5678,
         base_color: Vec3::ONE,
         emission: Vec3::ONE,
         specular_color: Vec3::ONE,
@@ -37,7 +37,7 @@ fn frame(u: Vec4, v: Vec4) -> [Vec4; 2] {
     [n.extend(0.0), turned.extend(if v.y < 0.5 { -1.0 } else { 1.0 })]
 }
 
-const GEOMETRY: &str = "unpack_surface(pack_geometry(PackedSurface(frame_from_tangent(a.xyz, b), -a.xyz, 4711u, vec2f(0.25, 0.75), \
+const GEOMETRY: &str = "unpack_surface(pack_geometry(PackedSurface(frame_from_tangent(a.xyz, b), -a.xyz, 4711u, 0x12345678u, \
     vec3f(1.0), vec3f(1.0), vec3f(1.0), 1.0, 1.0, 1.0)), vec4u(0u))";
 
 fn geometry(n: Vec4, tangent: Vec4) -> PackedSurface {
@@ -69,13 +69,35 @@ fn tangents() {
 }
 
 #[test]
-fn material_and_coordinates() {
-    let body = format!("vec4f({GEOMETRY}.uv, f32({GEOMETRY}.material), 0.0)");
+fn material_and_finish() {
+    let body = format!("vec4f(vec2f(unpack2x16unorm({GEOMETRY}.finish)), f32({GEOMETRY}.material), 0.0)");
     compare("gbuffer_packing", &body, STEP, frame, |[n, tangent]| {
         let found = geometry(n, tangent);
         assert_eq!(found.material, 4711);
-        found.uv.extend(found.material as f32).extend(0.0)
+        let halves = [found.finish & 0xffff, found.finish >> 16].map(|half| half as f32 / 65535.0);
+        Vec2::from(halves).extend(found.material as f32).extend(0.0)
     });
+}
+
+#[test]
+fn sheens() {
+    let body = "unpack_sheen(pack_sheen(a.xyz, a.w))";
+    let input = |u: Vec4, _| [u, Vec4::ZERO];
+    compare("gbuffer_packing", body, 8e-3, input, |[a, _]| unpack_sheen(pack_sheen(a.truncate(), a.w)));
+    compare("gbuffer_packing", body, 4.1e-3, input, |[a, _]| a);
+}
+
+/// A number between two steps may be rounded to either: a step of 6 bits of a root, one of 10.
+#[test]
+fn coats() {
+    let input = |u: Vec4, v: Vec4| [u, 2.0 * v - Vec4::ONE];
+    let body = "vec4f(unpack_coat(pack_coat(a.x, a.y, b.xy)).xy, 0.0, 0.0)";
+    let twin = |[a, b]: [Vec4; 2]| unpack_coat(pack_coat(a.x, a.y, Vec2::new(b.x, b.y)));
+    compare("gbuffer_packing", body, 0.032, input, |inputs| twin(inputs).xy().extend(0.0).extend(0.0));
+    compare("gbuffer_packing", body, 0.017, input, |[a, _]| Vec4::new(a.x, a.y, 0.0, 0.0));
+    let body = "vec4f(unpack_coat(pack_coat(a.x, a.y, b.xy)).zw, 0.0, 0.0)";
+    compare("gbuffer_packing", body, 4e-3, input, |inputs| twin(inputs).zw().extend(0.0).extend(0.0));
+    compare("gbuffer_packing", body, 2.1e-3, input, |[_, b]| Vec4::new(b.x, b.y, 0.0, 0.0));
 }
 
 #[test]
@@ -89,7 +111,7 @@ fn shared_exponents() {
 #[test]
 fn colours() {
     const REFLECTANCE: &str = "unpack_surface(vec4u(0u), pack_reflectance(PackedSurface(frame_from_normal(vec3f(0.0, 0.0, 1.0)), \
-        vec3f(0.0, 0.0, 1.0), 0u, vec2f(0.0), 4.0 * a.xyz, vec3f(1.0), b.xyz, b.w, a.w, \
+        vec3f(0.0, 0.0, 1.0), 0u, 0u, 4.0 * a.xyz, vec3f(1.0), b.xyz, b.w, a.w, \
         1.0 - a.w)))";
     let twin = |[a, b]: [Vec4; 2]| {
         let packed = PackedSurface {

@@ -3,7 +3,10 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4};
-use gnomon_brdf::{Frame, LightPatch, Lobe, Model, Surface, Tables};
+use gnomon_brdf::{
+    Frame, LightPatch, Lobe, Model, SeenFinish, Surface, Tables, coat_share, d_charlie, finish_light,
+    finish_pdf, finish_sample, finish_value, lambda_charlie, sheen_albedo,
+};
 use gnomon_testing::tolerances::SHADER_TWIN;
 use gnomon_testing::{glossy_surface, tabulated_surfaces};
 
@@ -95,6 +98,70 @@ fn lobes_over_area_lights() {
                 lobe.over_light(wo, &light).extend(0.0)
             });
         }
+    }
+}
+
+/// What lies on a base: a coat along its normal, one away from it, sheen, both.
+fn finishes() -> impl Iterator<Item = (SeenFinish, String)> {
+    let tilted = Vec3::new(0.3, -0.2, 0.9).normalize();
+    let cases = [
+        (0.2, 0.4, Vec3::Z, 0.0),
+        (0.2, 0.7, tilted, 0.0),
+        (0.0, 0.5, Vec3::Z, 0.8),
+        (0.2, 0.6, tilted, 0.8),
+    ];
+    cases.into_iter().map(|(coat, coat_roughness, coat_normal, strength)| {
+        let (sheen, sheen_roughness) = (strength * Vec3::new(1.0, 0.5, 0.1), 0.6);
+        let finish = SeenFinish { base: 0.8, coat, coat_roughness, coat_normal, sheen, sheen_roughness };
+        let vector = |Vec3 { x, y, z }| format!("vec3f({x:?}, {y:?}, {z:?})");
+        let (normal, tint) = (vector(coat_normal), vector(sheen));
+        (finish, format!("Finish(0.8, {coat:?}, {coat_roughness:?}, {normal}, {tint}, {sheen_roughness:?})"))
+    })
+}
+
+#[test]
+fn shares_of_finishes() {
+    let body = "vec4f(sheen_albedo(a.x, a.y), lambda_charlie(a.x, 0.01 + 0.99 * a.y), \
+        d_charlie(a.x, 0.01 + 0.99 * a.y), seen_finish(a.z, 0.5, vec3f(0.0, 0.0, 1.0), a.yzw, a.w, a.x).base)";
+    compare(
+        "brdf_finish",
+        body,
+        TOLERANCE,
+        |u, _| [u, Vec4::ZERO],
+        |[a, _]| {
+            let alpha = 0.01 + 0.99 * a.y;
+            let albedo = sheen_albedo(a.x, a.w).min(1.0);
+            let base = (1.0 - a.z) * (1.0 - a.y.max(a.z).max(a.w) * albedo);
+            Vec4::new(sheen_albedo(a.x, a.y), lambda_charlie(a.x, alpha), d_charlie(a.x, alpha), base)
+        },
+    );
+}
+
+#[test]
+fn values_and_samples_of_finishes() {
+    for (finish, text) in finishes() {
+        let body = format!(
+            "vec4f(finish_value({text}, a.xyz, b.xyz) * b.z, finish_pdf({text}, a.xyz, b.xyz) * length(a.xyz + b.xyz))"
+        );
+        compare("brdf_finish", &body, TOLERANCE, directions, |[a, b]| {
+            let (wo, wi) = (a.truncate(), b.truncate());
+            (finish_value(&finish, wo, wi) * wi.z).extend(finish_pdf(&finish, wo, wi) * (wo + wi).length())
+        });
+        let body = format!("vec4f(finish_sample({text}, a.xyz, vec2f(a.w, b.w)), coat_share(a.w, b.w))");
+        compare("brdf_finish", &body, TOLERANCE, directions, |[a, b]| {
+            finish_sample(&finish, a.truncate(), Vec2::new(a.w, b.w)).extend(coat_share(a.w, b.w))
+        });
+        let body = format!(
+            "vec4f(finish_light({text}, a.xyz, LightPatch(b.xyz, 0.1 * frame_from_normal(b.xyz).t, \
+             0.2 * frame_from_normal(b.xyz).b, false)), 0.0)"
+        );
+        compare("brdf_finish", &body, TOLERANCE, directions, |[a, b]| {
+            let direction = b.truncate();
+            let frame = Frame::from_normal(direction);
+            let (half_width, half_height) = (0.1 * frame.t, 0.2 * frame.b);
+            let light = LightPatch { direction, half_width, half_height, is_disk: false };
+            finish_light(&finish, a.truncate(), &light).extend(0.0)
+        });
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, reason = "measured errors are read with --nocapture")]
 
 mod analytic;
+mod anisotropy;
 mod asynchronous;
 mod backdrop;
 mod blending;
@@ -16,6 +17,7 @@ mod copies;
 mod debug_views;
 mod embedding;
 mod filters;
+mod finish;
 mod gloss;
 mod layers;
 mod level_of_detail;

@@ -121,7 +121,9 @@ fn edited_materials_are_those_of_a_fresh_renderer() {
         assert_eq!(now, edited_renderer(&gpu, scene).render(&camera(), 24, 24).unwrap().radiance);
         last = now;
     };
-    for surface in surfaces() {
+    let coat = Surface { clearcoat: 1.0, clearcoat_roughness: 0.2, ..Surface::default() };
+    let cloth = Surface { sheen_color: Vec3::splat(0.5), sheen_roughness: 0.5, ..Surface::default() };
+    for surface in surfaces().chain([coat, cloth, coat.without_finish()]) {
         scene.materials[0].surface = surface;
         check(&scene);
     }

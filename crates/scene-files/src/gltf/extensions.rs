@@ -6,16 +6,19 @@ use super::schema::Root;
 use crate::error::Fault;
 
 /// Extensions that are read.
-const READ: [&str; 18] = [
+const READ: [&str; 21] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_materials_variants",
@@ -29,13 +32,10 @@ const READ: [&str; 18] = [
 ];
 
 /// Extensions without which the model is still itself, and what is not drawn. Files that require them are shown so, too.
-const PLAIN: [(&str, &str); 9] = [
-    ("KHR_materials_anisotropy", "highlights are round"),
-    ("KHR_materials_clearcoat", "clear coats are not drawn"),
+const PLAIN: [(&str, &str); 6] = [
     ("KHR_materials_diffuse_transmission", "no light comes through"),
     ("KHR_materials_dispersion", "light is not split into colours"),
     ("KHR_materials_iridescence", "thin films are not drawn"),
-    ("KHR_materials_sheen", "sheen is not drawn"),
     ("KHR_materials_transmission", "surfaces that let light through are shown opaque"),
     ("KHR_materials_volume", "what light crosses is not drawn"),
     ("KHR_materials_volume_scatter", "what light crosses is not drawn"),

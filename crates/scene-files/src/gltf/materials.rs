@@ -1,11 +1,15 @@
 //! Materials and textures (specification, sections 3.8 and 3.9, and the KHR extensions).
 
-use glam::Vec3;
+use std::f32::consts::TAU;
+
+use glam::{DVec4, Vec3, Vec4};
+use gnomon_brdf::Model;
 use gnomon_messages::quoted;
-use gnomon_scene::{AlphaMode, Material, Scene};
+use gnomon_picture::tonemap::srgb_decode;
+use gnomon_scene::{AlphaMode, Material, Scene, TextureRef};
 
 use super::buffers::Buffers;
-use super::schema::{AlphaModeEntry, Int, MaterialEntry, Root, TextureInfo};
+use super::schema::{AlphaModeEntry, Anisotropy, Int, MaterialEntry, Root, TextureInfo};
 use super::textures::Textures;
 use super::{Budget, Fault, Source, specular_glossiness};
 
@@ -98,6 +102,36 @@ fn material(
         );
         material.specular_color_texture = texture(&specular.specular_color_texture, scene)?;
     }
+    if let Some(coat) = &entry.extensions.clearcoat {
+        material.surface.clearcoat = coat.clearcoat_factor.map_or(0.0, unit);
+        material.surface.clearcoat_roughness = coat.clearcoat_roughness_factor.map_or(0.0, unit);
+        if material.surface.clearcoat > 0.0 {
+            material.clearcoat_texture = texture(&coat.clearcoat_texture, scene)?;
+            material.clearcoat_roughness_texture = texture(&coat.clearcoat_roughness_texture, scene)?;
+            material.clearcoat_normal_texture = texture(&coat.clearcoat_normal_texture, scene)?;
+            let scale = coat.clearcoat_normal_texture.as_ref().and_then(|info| info.scale);
+            material.clearcoat_normal_scale = scale.filter(|scale| scale.is_finite()).unwrap_or(1.0);
+        }
+    }
+    if let Some(sheen) = &entry.extensions.sheen {
+        material.surface.sheen_color =
+            Vec3::from_array(sheen.sheen_color_factor.map_or([0.0; 3], |color| color.map(unit)));
+        material.surface.sheen_roughness = sheen.sheen_roughness_factor.map_or(0.0, unit);
+        if material.surface.sheen_color != Vec3::ZERO {
+            material.sheen_color_texture = texture(&sheen.sheen_color_texture, scene)?;
+            material.sheen_roughness_texture = texture(&sheen.sheen_roughness_texture, scene)?;
+        }
+        if material.surface.clearcoat > 0.0 && material.has_sheen_textures() {
+            even_sheen(&mut material, scene);
+            scene
+                .warnings
+                .push(format!("{label}: under its clear coat sheen is even, the mean of its textures"));
+        }
+    }
+    if let Some(anisotropy) = &entry.extensions.anisotropy {
+        material.anisotropy_texture = texture(&anisotropy.anisotropy_texture, scene)?;
+        make_anisotropic(&mut material, anisotropy, scene);
+    }
     if let Some(ior) = entry.extensions.ior.as_ref().and_then(|extension| extension.ior) {
         // 0 has a meaning of its own in KHR_materials_ior: full reflection.
         if ior == 0.0 || (ior >= 1.0 && ior.is_finite()) {
@@ -123,6 +157,42 @@ fn material(
         Some(Err(reason)) => scene.warnings.push(format!("{label}: heights are left out: {reason}")),
     }
     Ok(material)
+}
+
+/// Sheen of the mean of its textures: the G-buffer has room for those of a clear coat or those of sheen.
+fn even_sheen(material: &mut Material, scene: &Scene) {
+    let (color, roughness) = (material.sheen_color_texture.take(), material.sheen_roughness_texture.take());
+    material.surface.sheen_color *= mean(color, srgb_decode, scene).truncate();
+    material.surface.sheen_roughness *= mean(roughness, |value| value, scene).w;
+}
+
+/// Mean of a texture whose colours are decoded so; white for none.
+fn mean(texture: Option<TextureRef>, decode: fn(f32) -> f32, scene: &Scene) -> Vec4 {
+    let Some(texture) = texture else { return Vec4::ONE };
+    let texels = &scene.textures[texture.texture.0].rgba8;
+    let texel = |texel: &[u8; 4]| {
+        let unit = Vec4::from(texel.map(|channel| f32::from(channel) / 255.0));
+        unit.truncate().map(decode).extend(unit.w)
+    };
+    // Row by row in 32 bits: a sum over millions of texels would lose their digits.
+    let rows = texels.chunks(4096).map(|row| row.iter().map(texel).sum::<Vec4>().as_dvec4());
+    (rows.sum::<DVec4>() / texels.len().max(1) as f64).as_vec4()
+}
+
+/// `KHR_materials_anisotropy`: another model, whose tables have one roughness and strength a material. Textures vary its direction; of roughness
+/// and strength they give the mean.
+fn make_anisotropic(material: &mut Material, entry: &Anisotropy, scene: &Scene) {
+    let strength = entry.anisotropy_strength.map_or(0.0, unit);
+    let linear = |value: f32| value;
+    material.surface.anisotropy = strength * mean(material.anisotropy_texture, linear, scene).z;
+    if material.surface.anisotropy == 0.0 {
+        material.anisotropy_texture = None;
+        return;
+    }
+    material.surface.model = Model::AnisotropicGgx;
+    let rotation = entry.anisotropy_rotation.filter(|rotation| rotation.is_finite()).unwrap_or(0.0);
+    material.surface.anisotropy_rotation = rotation.rem_euclid(TAU);
+    material.surface.roughness *= mean(material.metallic_roughness_texture, linear, scene).y;
 }
 
 fn alpha_mode(
@@ -170,8 +240,16 @@ fn unlit(lit: Material) -> Material {
         height: None,
         specular_texture: None,
         specular_color_texture: None,
+        clearcoat_texture: None,
+        clearcoat_roughness_texture: None,
+        clearcoat_normal_texture: None,
+        sheen_color_texture: None,
+        sheen_roughness_texture: None,
+        anisotropy_texture: None,
+        surface: lit.surface.without_finish(),
         ..lit
     };
+    material.surface.model = Model::default();
     material.surface.base_color = Vec3::ZERO;
     (material.surface.metallic, material.surface.specular) = (0.0, 0.0);
     material

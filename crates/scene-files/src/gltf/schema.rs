@@ -7,7 +7,7 @@ use serde::de::{Deserializer, Error, Visitor};
 
 mod material;
 
-pub use material::{AlphaModeEntry, HeightEntry, MaterialEntry, SpecularGlossiness, TextureInfo};
+pub use material::{AlphaModeEntry, Anisotropy, HeightEntry, MaterialEntry, SpecularGlossiness, TextureInfo};
 
 /// A non-negative integer; JSON may write it `2`, `2.0` or `2e0`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -26,6 +26,18 @@ super::constants! {
     pub const TEXTURE_EMISSIVE: u32 = 6;
     /// [`MaterialTexture::kind`]: slopes of heights along u and v, and the means of their squares.
     pub const TEXTURE_HEIGHT: u32 = 7;
+    /// [`MaterialTexture::kind`]: R, multiplies the strength of the clear coat.
+    pub const TEXTURE_CLEARCOAT: u32 = 8;
+    /// [`MaterialTexture::kind`]: G, multiplies the roughness of the clear coat.
+    pub const TEXTURE_CLEARCOAT_ROUGHNESS: u32 = 9;
+    /// [`MaterialTexture::kind`]: RGB, the normal of the clear coat in tangent space.
+    pub const TEXTURE_CLEARCOAT_NORMAL: u32 = 10;
+    /// [`MaterialTexture::kind`]: RGB, multiplies the colour of the sheen.
+    pub const TEXTURE_SHEEN_COLOR: u32 = 11;
+    /// [`MaterialTexture::kind`]: A, multiplies the roughness of the sheen.
+    pub const TEXTURE_SHEEN_ROUGHNESS: u32 = 12;
+    /// [`MaterialTexture::kind`]: RG, the direction along which an anisotropic lobe is wide in tangent space.
+    pub const TEXTURE_ANISOTROPY: u32 = 13;
     /// [`Material::catches`]: it is a surface as any other.
     pub const CATCHES_NOT: u32 = 0;
     /// [`Material::catches`]: it shows what is behind the scene everywhere.
@@ -112,6 +124,18 @@ super::structs! {
         pub roughness: f32,
         /// 1 where lights of the scene stand for its emission.
         pub shines: u32,
+        /// Strength of the clear coat; 0 is none.
+        pub clearcoat: f32,
+        /// Its roughness.
+        pub clearcoat_roughness: f32,
+        /// Strength of its normal map.
+        pub clearcoat_normal_scale: f32,
+        /// Colour of the sheen, black for none.
+        pub sheen_color: Vec3,
+        /// Its roughness.
+        pub sheen_roughness: f32,
+        /// 1 where the G-buffer keeps what textures say of the sheen, and nothing of the coat.
+        pub has_sheen_textures: u32,
     }
 
     /// What is prepared of a material's heights.

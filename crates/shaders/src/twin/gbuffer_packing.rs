@@ -15,8 +15,8 @@ pub struct PackedSurface {
     pub geometric_normal: Vec3,
     /// Number of the material.
     pub material: u32,
-    /// Coordinates in the material's normal map.
-    pub uv: Vec2,
+    /// What textures say of what lies on the base: [`pack_coat`].
+    pub finish: u32,
     /// Factor of the material's own.
     pub base_color: Vec3,
     /// Factor of the material's own.
@@ -100,7 +100,50 @@ pub fn unpack_rgb9e5(word: u32) -> Vec3 {
         * power_of_two((word >> 27) as i32 - 24)
 }
 
-/// Normals, tangent and material, texture coordinates.
+fn pack_signed_root(x: f32) -> u32 {
+    (512.5 + 511.0 * x.abs().min(1.0).sqrt().copysign(x)) as u32
+}
+
+fn unpack_signed_root(bits: u32) -> f32 {
+    let root = ((bits & 0x3ff) as f32 - 512.0) / 511.0;
+    root * root.abs()
+}
+
+/// What textures multiply strength and roughness of the clear coat with, and x and y of its normal in the tangent frame.
+pub fn pack_coat(clearcoat: f32, roughness: f32, tilt: Vec2) -> u32 {
+    let [strength, roughness] = [clearcoat, roughness].map(|value| unorm(value.clamp(0.0, 1.0).sqrt(), 63.0));
+    strength | roughness << 6 | pack_signed_root(tilt.x) << 12 | pack_signed_root(tilt.y) << 22
+}
+
+/// Inverse of [`pack_coat`].
+pub fn unpack_coat(word: u32) -> Vec4 {
+    let [strength, roughness] = [word, word >> 6].map(|bits| (bits & 63) as f32 / 63.0);
+    Vec4::new(
+        strength * strength,
+        roughness * roughness,
+        unpack_signed_root(word >> 12),
+        unpack_signed_root(word >> 22),
+    )
+}
+
+/// What textures multiply colour and roughness of the sheen with.
+pub fn pack_sheen(color: Vec3, roughness: f32) -> u32 {
+    let [r, g, b, a] = color
+        .clamp(Vec3::ZERO, Vec3::ONE)
+        .map(f32::sqrt)
+        .extend(roughness)
+        .to_array()
+        .map(|v| unorm(v, 255.0));
+    r | g << 8 | b << 16 | a << 24
+}
+
+/// Inverse of [`pack_sheen`].
+pub fn unpack_sheen(word: u32) -> Vec4 {
+    let roots = Vec4::from([0, 8, 16, 24].map(|shift| (word >> shift & 0xff) as f32 / 255.0));
+    (roots.truncate() * roots.truncate()).extend(roots.w)
+}
+
+/// Normals, tangent and material, and what lies on the base.
 pub fn pack_geometry(surface: &PackedSurface) -> UVec4 {
     let normal = pack_normal(surface.frame.n);
     let tangent = pack_tangent(unpack_normal(normal), &surface.frame);
@@ -108,7 +151,7 @@ pub fn pack_geometry(surface: &PackedSurface) -> UVec4 {
         normal,
         pack_normal(surface.geometric_normal),
         tangent | surface.material << 16,
-        unorm(surface.uv.x, 65535.0) | unorm(surface.uv.y, 65535.0) << 16,
+        surface.finish,
     )
 }
 
@@ -135,7 +178,7 @@ pub fn unpack_surface(geometry: UVec4, reflectance: UVec4) -> PackedSurface {
         frame: unpack_frame(unpack_normal(geometry.x), geometry.z),
         geometric_normal: unpack_normal(geometry.y),
         material: geometry.z >> 16,
-        uv: Vec2::new((geometry.w & 0xffff) as f32, (geometry.w >> 16) as f32) / 65535.0,
+        finish: geometry.w,
         base_color: Vec3::new(
             from_half(reflectance.x),
             from_half(reflectance.x >> 16),
@@ -161,7 +204,7 @@ mod tests {
                 frame,
                 geometric_normal: Vec3::NEG_Z,
                 material,
-                uv: Vec2::new(0.0, 1.0),
+                finish: pack_coat(1.0, 0.0, Vec2::ZERO),
                 base_color: Vec3::ONE,
                 emission: Vec3::ONE,
                 specular_color: Vec3::ONE,
@@ -173,6 +216,12 @@ mod tests {
             assert!(back.frame.t.distance(tangent) < 1e-4 && back.frame.b.distance(frame.b) < 1e-4);
             assert_eq!(PackedSurface { frame, ..back }, surface);
         }
+    }
+
+    #[test]
+    fn a_coat_without_textures_comes_back_exactly() {
+        assert_eq!(unpack_coat(pack_coat(1.0, 1.0, Vec2::ZERO)), Vec4::new(1.0, 1.0, 0.0, 0.0));
+        assert_eq!(unpack_coat(pack_coat(0.0, 0.0, Vec2::new(1.0, -1.0))), Vec4::new(0.0, 0.0, 1.0, -1.0));
     }
 
     #[test]

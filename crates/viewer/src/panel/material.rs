@@ -1,7 +1,7 @@
 //! The reflectance of all models, as controls of whatever parameters a model declares.
 
 use glam::Vec3;
-use gnomon_brdf::{Model, Parameter};
+use gnomon_brdf::{FINISH, Model, Parameter};
 use gnomon_scene::ReflectanceSettings;
 
 use super::fields::Fields;
@@ -21,7 +21,7 @@ pub fn show(fields: &mut Fields<'_>, wanted: &mut Option<ReflectanceSettings>) {
     for parameter in settings.model().required() {
         control(fields, settings, parameter);
     }
-    for parameter in settings.model().optional() {
+    for &parameter in settings.model().optional().iter().chain(FINISH) {
         let (label, name) = (parameter.name.replace('_', " "), format!("own {}", parameter.name));
         let mut own = settings.get(parameter).is_none();
         if fields.check(&label, &name, &mut own, "the scene's") {

@@ -56,6 +56,12 @@ pub struct MetallicRoughness {
 
 #[derive(Debug, Default, Deserialize)]
 pub struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_anisotropy")]
+    pub anisotropy: Option<Anisotropy>,
+    #[serde(rename = "KHR_materials_clearcoat")]
+    pub clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_sheen")]
+    pub sheen: Option<Sheen>,
     #[serde(rename = "KHR_materials_specular")]
     pub specular: Option<Specular>,
     #[serde(rename = "KHR_materials_ior")]
@@ -85,6 +91,33 @@ pub struct Specular {
     pub specular_texture: Option<TextureInfo>,
     pub specular_color_factor: Option<[f32; 3]>,
     pub specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Anisotropy {
+    pub anisotropy_strength: Option<f32>,
+    pub anisotropy_rotation: Option<f32>,
+    pub anisotropy_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Clearcoat {
+    pub clearcoat_factor: Option<f32>,
+    pub clearcoat_texture: Option<TextureInfo>,
+    pub clearcoat_roughness_factor: Option<f32>,
+    pub clearcoat_roughness_texture: Option<TextureInfo>,
+    pub clearcoat_normal_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Sheen {
+    pub sheen_color_factor: Option<[f32; 3]>,
+    pub sheen_color_texture: Option<TextureInfo>,
+    pub sheen_roughness_factor: Option<f32>,
+    pub sheen_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -147,6 +180,9 @@ impl MaterialEntry {
         let pbr = &self.pbr_metallic_roughness;
         let specular = self.extensions.specular.as_ref();
         let gloss = self.extensions.specular_glossiness.as_ref();
+        let anisotropy = self.extensions.anisotropy.as_ref();
+        let coat = self.extensions.clearcoat.as_ref();
+        let sheen = self.extensions.sheen.as_ref();
         let infos = [
             pbr.base_color_texture.as_ref(),
             gloss.and_then(|gloss| gloss.diffuse_texture.as_ref()),
@@ -156,6 +192,12 @@ impl MaterialEntry {
             self.emissive_texture.as_ref(),
             specular.and_then(|specular| specular.specular_texture.as_ref()),
             specular.and_then(|specular| specular.specular_color_texture.as_ref()),
+            anisotropy.and_then(|anisotropy| anisotropy.anisotropy_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_roughness_texture.as_ref()),
+            coat.and_then(|coat| coat.clearcoat_normal_texture.as_ref()),
+            sheen.and_then(|sheen| sheen.sheen_color_texture.as_ref()),
+            sheen.and_then(|sheen| sheen.sheen_roughness_texture.as_ref()),
         ];
         infos.into_iter().flatten()
     }
