@@ -214,7 +214,7 @@ fn a_change_uploads_what_is_new_of_it() {
     let (moved, other, mut painted) = (moved(0.2), other_scene(), scene());
     painted.materials[0].surface.base_color = Vec3::X;
     // Instances and materials, with what stands for tables and heights that there are not.
-    let tables = 144 * 8 + layout::size::<layout::Material>() * 4;
+    let tables = 144 * 8 + 336 * 4;
     let change = |scene| Change { scene: Some(scene), ..Change::default() };
     let display = settings().with(|s| s.display.exposure = Some(1.0));
     let column = builtin::without_ground("column").unwrap();
