@@ -140,7 +140,7 @@ class Scene:
     was loaded from, with what was changed: a file has to be there where it is unpickled."""
 
     def __init__(self, **options: Any) -> None:
-        """An empty scene, for :meth:`add_mesh`. ``ground="plane"`` lays a ground under what is added."""
+        """An empty scene, for :meth:`add_mesh`. ``ground="fade"`` (or ``"plane"``, ``"catcher"``) lays a ground under what is added."""
 
     @staticmethod
     def load(

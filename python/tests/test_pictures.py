@@ -83,7 +83,7 @@ def test_a_batch_and_any_order_give_the_same_bits(renderer, draw, boxes, room):
 def test_arrays_make_the_scene_that_a_file_makes(draw, tmp_path):
     (tmp_path / "cube.obj").write_text(CUBE)
     vertices, triangles = cube()
-    made = gnomon.Scene(ground="plane")
+    made = gnomon.Scene(ground="fade")
     made.add_mesh("cube", vertices, triangles)
     assert made.bounds == ([0, 0, 0], [1, 1, 1])
     from_file = gnomon.Scene.load(tmp_path / "cube.obj")

@@ -275,6 +275,7 @@ impl LightBatches {
         self.slices = slices;
         self.groups = groups.to_vec();
         let mut all = frame_lights([&lighting.lights, &lighting.probes], &lighting.points, near_lights);
+        let unsliced = all.len();
         add_slices(&mut all, &self.sliced, self.slice_count);
         for batch in &mut self.batches {
             let LightNeeds { resolution, .. } = self.classes[batch.class].needs;
@@ -282,7 +283,6 @@ impl LightBatches {
             for uniform in &mut batch.fitted.uniforms {
                 let place = uniform.number as usize;
                 // What is behind all lights shines on further slices.
-                let unsliced = all.len() - (self.slice_count - 1) * self.sliced.len();
                 let light = match place.checked_sub(unsliced) {
                     Some(slice) => self.sliced[slice % self.sliced.len()],
                     None => place,
@@ -294,7 +294,9 @@ impl LightBatches {
         if let Some(points) = &self.points_of_lights {
             points.write(gpu, &all, self.fitting.rays);
         }
-        self.sum_scales = sum_scales(self.batches.iter().flat_map(|batch| &batch.fitted.uniforms));
+        // No point has the light of more than one slice: a picture does not depend on how many there were before it.
+        let uniforms = self.batches.iter().flat_map(|batch| &batch.fitted.uniforms);
+        self.sum_scales = sum_scales(uniforms.filter(|uniform| (uniform.number as usize) < unsliced));
     }
 
     /// Makes what visibility needs, and sums light at the points of a stage, batch after batch.

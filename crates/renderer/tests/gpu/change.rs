@@ -14,7 +14,7 @@ use gnomon_renderer::{
     Change, Gpu, GpuOptions, LightingChange, PreparedLighting, RenderError, RenderSettings, Renderer,
     SceneChange,
 };
-use gnomon_scene::{Camera, Mesh, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
+use gnomon_scene::{Camera, Ground, Mesh, Node, Scene, Texture, TextureId, TextureRef, Wrap, builtin};
 use gnomon_shaders::layout;
 
 const SIZE: [u32; 2] = [48, 36];
@@ -198,6 +198,23 @@ fn a_change_of_everything_at_once_is_what_a_fresh_renderer_draws() {
     live.change(all()).unwrap();
     assert_eq!(live.settings(), &settings);
     assert!(picture(&mut live) == picture(&mut fresh));
+}
+
+/// Also not on how many slices of the view their suns had maps for.
+#[test]
+fn a_picture_does_not_depend_on_the_scenes_before_it() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let mut renderer = Renderer::new(&gpu, settings()).unwrap();
+    renderer.set_scene(&scene()).unwrap();
+    let sun = one_disk(Vec3::new(0.4, 0.8, 0.3).normalize(), 0.01);
+    renderer.set_lighting(&constant_map(Vec3::ONE), &sun).unwrap();
+    let first = picture(&mut renderer);
+    let mut vast = builtin::without_ground("column").unwrap();
+    vast.add_ground(Ground::Catcher);
+    renderer.set_scene(&vast).unwrap();
+    picture(&mut renderer);
+    renderer.set_scene(&scene()).unwrap();
+    assert!(picture(&mut renderer) == first);
 }
 
 #[test]
