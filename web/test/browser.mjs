@@ -54,6 +54,11 @@ export function difference(a, b) {
   return each.reduce((x, y) => x + y) / each.length;
 }
 
+/** Without the ring that shows where the keyboard is. */
+export function unfocused(page) {
+  return page.evaluate(() => document.activeElement?.blur());
+}
+
 /** Waits until the viewer has nothing to do, and gives its status. */
 export async function atRest(page, selector = "gnomon-viewer", timeout = 300_000) {
   return page.evaluate(([selector, timeout]) => new Promise((resolve, reject) => {

@@ -10,7 +10,7 @@ import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { gzipSync } from "node:zlib";
 import { serve } from "../serve.mjs";
-import { atRest, difference, drop, launch, place, seen, variation } from "./browser.mjs";
+import { atRest, difference, drop, launch, place, seen, unfocused, variation } from "./browser.mjs";
 import { box, damaged, gltf, window_map } from "./files.mjs";
 
 const at = (path) => fileURLToPath(new URL(path, import.meta.url));
@@ -117,6 +117,7 @@ test("every technique draws", options, async () => {
 });
 
 test("shadows are beside none", options, async () => {
+  await unfocused(page);
   const before = await seen(page, "#stage");
   await page.click("#split");
   await page.waitForTimeout(300);
@@ -179,8 +180,7 @@ test("a link brings the same picture back", options, async () => {
   await page.locator("gnomon-viewer").evaluate((viewer) => viewer.shadowRoot.getElementById("picture").focus());
   await page.keyboard.press("ArrowLeft");
   await atRest(page);
-  // A ring shows where the keyboard is.
-  await page.evaluate(() => document.activeElement.blur());
+  await unfocused(page);
   const before = await seen(page, "gnomon-viewer");
   await page.locator("#copy-link").evaluate((button) => button.click());
   await page.waitForFunction(() => /studio/.test(decodeURIComponent(location.hash)));
