@@ -10,6 +10,8 @@ const REFERENCE_PIXELS = 320 * 180;
 const STATUS_EVERY = 100;
 /** While a slow GPU is at a frame browsers ask for no other; what is loaded goes on and is told meanwhile [ms]. */
 const LONGEST_WAIT = 100;
+/** How often a device at rest is asked whether it was lost [ms]. */
+const WATCHED_EVERY = 1000;
 
 const scope = self as unknown as WorkerScope;
 let memory: WebAssembly.Memory;
@@ -18,6 +20,7 @@ let session: Session | undefined;
 let taken = false;
 let visible = true;
 let scheduled = false;
+let watching: ReturnType<typeof setTimeout> | undefined;
 let told = -Infinity;
 const notices: Notice[] = [];
 
@@ -91,6 +94,17 @@ function step(now: number): void {
   }
   if (!active || now - told > STATUS_EVERY) tellStatus(now);
   if (active) wake();
+  else watch();
+}
+
+/** A device may be lost while there is nothing to draw. */
+function watch(): void {
+  clearTimeout(watching);
+  watching = setTimeout(() => {
+    if (!session || taken || scheduled) return;
+    if (session.deviceIsLost()) wake();
+    else watch();
+  }, WATCHED_EVERY);
 }
 
 function tellStatus(now: number): void {

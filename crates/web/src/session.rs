@@ -65,6 +65,12 @@ impl Session {
         Ok(())
     }
 
+    /// Whether the device was lost: a page at rest is told so by nothing else.
+    #[wasm_bindgen(js_name = deviceIsLost)]
+    pub fn device_is_lost(&self) -> bool {
+        matches!(self.device.gpu.check(), Err(RenderError::DeviceLost { .. }))
+    }
+
     /// Destroys the device, as a driver's reset does.
     #[wasm_bindgen(js_name = loseDevice)]
     pub fn lose_device(&self) {
@@ -102,10 +108,6 @@ impl Session {
 }
 
 impl Session {
-    fn device_is_lost(&self) -> bool {
-        matches!(self.device.gpu.check(), Err(RenderError::DeviceLost { .. }))
-    }
-
     fn is_moving(&self) -> bool {
         self.playing || self.now - self.moved < SETTLES_AFTER
     }
