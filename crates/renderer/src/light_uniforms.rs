@@ -85,23 +85,17 @@ impl FrameLight<'_> {
         total_flux: f32,
     ) -> LightNeeds {
         let usual = settings.shadow_resolution;
+        let most = if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
         let (resolution, is_sharp) = match self {
             Self::Distant { light, .. } => {
-                let most = if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
                 let share = self.flux() / total_flux.max(f32::MIN_POSITIVE);
                 let resolution = settings.shadow_sizing.resolution(footprint(light), share, [usual, most]);
                 (resolution, self.is_sharp(total_flux))
             }
             Self::Near(light) => match distant(light) {
-                Some(sun) => {
-                    let most =
-                        if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
-                    (settings.shadow_sizing.resolution(footprint(&sun), 1.0, [usual, most]), true)
-                }
+                Some(sun) => (settings.shadow_sizing.resolution(footprint(&sun), 1.0, [usual, most]), true),
                 // The texels of a map show where nothing blurs them.
                 None if light.shape.half_extent().max_element() <= SMALL_LAMP => {
-                    let most =
-                        if technique.has_sharp_maps() { settings.sharp_shadow_resolution } else { usual };
                     (most.min(SMALL_LAMP_TEXELS * usual), true)
                 }
                 None => (usual, true),

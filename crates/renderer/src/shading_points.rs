@@ -13,6 +13,8 @@ pub(crate) struct ShadingPoints {
     pub compose_groups: Vec<[wgpu::BindGroup; 2]>,
     /// A [`layout::Composition`] for each of these.
     composed: Vec<[wgpu::Buffer; 2]>,
+    /// Average the sums of grainy light, and put that in place: few scenes need them.
+    even_passes: Option<[wgpu::ComputePipeline; 2]>,
     /// Account of points: arguments of indirect dispatches, edge pixels.
     pub work: wgpu::Buffer,
     /// The points themselves, [`layout::ShadingPoint`]s.
@@ -65,8 +67,8 @@ pub(crate) struct ShadingPointsPass {
     inherit: wgpu::ComputePipeline,
     end_stage: wgpu::ComputePipeline,
     even_layout: wgpu::BindGroupLayout,
-    even_out: wgpu::ComputePipeline,
-    keep_evened: wgpu::ComputePipeline,
+    /// Of view and G-buffer.
+    shared_layouts: [wgpu::BindGroupLayout; 2],
 }
 
 /// Bytes of what is kept for every shading point: the point, and what light gives it.
@@ -266,14 +268,12 @@ impl ShadingPointsPass {
             (layout::GROUP_PASS, &list_layout),
         ];
         let pipeline = |entry| gpu.compute_pipeline(&module, entry, &groups);
-        let even_layout =
-            numbered("sums to even out", &[read, read, read, written, written, Binding::Uniform]);
-        let even_module = gpu.shader("even_sums", &[])?;
-        let even_groups = [groups[0], groups[1], (layout::GROUP_PASS, &even_layout)];
-        let even_pipeline = |entry| gpu.compute_pipeline(&even_module, entry, &even_groups);
         Ok(Self {
-            even_out: even_pipeline("even_out"),
-            keep_evened: even_pipeline("keep_evened"),
+            even_layout: numbered(
+                "sums to even out",
+                &[read, read, read, written, written, Binding::Uniform],
+            ),
+            shared_layouts: [view_layout, gbuffer_layout].map(Clone::clone),
             light_layout: numbered(
                 "sums of light",
                 &[read, read, written, written, written, Binding::Uniform],
@@ -302,7 +302,6 @@ impl ShadingPointsPass {
             inherit: pipeline("inherit"),
             end_stage: pipeline("end_stage"),
             list_layout,
-            even_layout,
         })
     }
 
@@ -348,6 +347,7 @@ impl ShadingPointsPass {
         let diffuse = plane("sums of diffuse light", 0);
         let specular = plane("sums of specular light", 1);
         let near = plane("sums of near light", 2);
+        let even_passes = plan.planes.evened.then(|| self.even_passes(gpu)).transpose()?;
         let lit_shares =
             plan.planes.evened.then(|| gpu.empty_buffer("lit shares", capacity * LIT_SHARE_BYTES, storage));
         let group = |label, layout, buffers: &[&wgpu::Buffer]| {
@@ -402,6 +402,7 @@ impl ShadingPointsPass {
             stages,
             compose_groups,
             composed,
+            even_passes,
             list: points,
             work,
             edge_dispatch,
@@ -486,6 +487,17 @@ impl ShadingPointsPass {
         pass.dispatch_workgroups_indirect(&points.stage_dispatch, 0);
     }
 
+    fn even_passes(&self, gpu: &Gpu) -> Result<[wgpu::ComputePipeline; 2], RenderError> {
+        let module = gpu.shader("even_sums", &[])?;
+        let [view, gbuffer] = &self.shared_layouts;
+        let groups = [
+            (layout::GROUP_FRAME, view),
+            (layout::GROUP_SURFACE, gbuffer),
+            (layout::GROUP_PASS, &self.even_layout),
+        ];
+        Ok(["even_out", "keep_evened"].map(|entry| gpu.compute_pipeline(&module, entry, &groups)))
+    }
+
     /// Averages what lights gave to a stage's points over what their shadows allow, where it is grainy.
     pub fn even_out(
         &self,
@@ -494,7 +506,7 @@ impl ShadingPointsPass {
         stage: &PointStage,
         [view_group, gbuffer_group]: [&wgpu::BindGroup; 2],
     ) {
-        let Some(even_group) = &stage.even_group else { return };
+        let (Some(even_group), Some(passes)) = (&stage.even_group, &points.even_passes) else { return };
         let mut pass = recorder.encoder.begin_compute_pass(&Default::default());
         let groups = [
             (layout::GROUP_FRAME, view_group),
@@ -502,7 +514,7 @@ impl ShadingPointsPass {
             (layout::GROUP_PASS, even_group),
         ];
         set_groups(&mut pass, &groups);
-        for pipeline in [&self.even_out, &self.keep_evened] {
+        for pipeline in passes {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups_indirect(&points.work, stage.dispatch_offset);
         }
