@@ -133,8 +133,8 @@ pub(crate) struct PointsOfLights {
     pub view: wgpu::TextureView,
 }
 
-/// Texels of a row: the points, and the number of rays.
-const ROW: u32 = layout::LIGHT_POINTS + 1;
+/// Texels of a row: the points, the number of rays, least and greatest coordinates of the points.
+const ROW: u32 = layout::LIGHT_POINTS + 3;
 
 impl PointsOfLights {
     pub fn new(gpu: &Gpu, lights: usize) -> Self {
@@ -162,8 +162,11 @@ impl PointsOfLights {
                 flux => ray_count(flux / total.max(f32::MIN_POSITIVE), lights.len(), usual),
             };
             // Rows of maps run against the bitangent.
-            let texels = points.iter().map(|at| [at.x, -at.y]);
-            texels.chain([[rays as f32, 0.0]]).collect::<Vec<_>>()
+            let on_map = points.map(|at| Vec2::new(at.x, -at.y));
+            let least = on_map.into_iter().reduce(Vec2::min).unwrap_or_default();
+            let most = on_map.into_iter().reduce(Vec2::max).unwrap_or_default();
+            let texels = on_map.into_iter().chain([Vec2::new(rays as f32, 0.0), least, most]);
+            texels.map(|texel| texel.to_array()).collect::<Vec<_>>()
         };
         let texels: Vec<[f32; 2]> = lights.iter().flat_map(row).collect();
         if !texels.is_empty() {

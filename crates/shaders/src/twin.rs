@@ -10,6 +10,7 @@ pub mod hit_normals;
 pub mod math;
 pub mod micromap;
 pub mod partial_cover;
+pub mod pyramid_meets_box;
 pub mod resample;
 pub mod sample_pattern;
 pub mod series;

@@ -1,6 +1,7 @@
 #import types
 #import triangle_hit
 #import micromap
+#import pyramid_meets_box
 
 // The scene's triangles in two levels of hierarchies of boxes, walked without a stack: nodes lie in depth-first order, each with the number
 // of the next one where it is missed. The upper level's leaves are instances: nodes in world space, or a copy of a mesh, to whose space rays
@@ -118,8 +119,89 @@ var<private> last_copy: u32;
 // Where the last ray that met anything met it, in lengths of its direction: the first that was found, not the nearest.
 var<private> last_distance: f32;
 
+// Parts of the hierarchies in depth-first order, of the mesh in world space or the copy (z) that they belong to: from a node (x) to before
+// another (y).
+var<private> gathered: array<vec3u, RAY_PARTS>;
+var<private> gathered_parts: u32;
+
+const RAY_PARTS: u32 = 8u;
+// Leaves so many nodes apart belong to one part: boxes in between cost less than another part.
+const RAY_PART_GAP: u32 = 6u;
+// Of a mesh of which more leaves are met, its rays meet enough: the rest of it is one part.
+const RAY_MOST_LEAVES: u32 = 24u;
+
+// Gathers what rays from one origin may meet before `reach`, in lengths of their directions, whose components lie between `least` and `most`.
+// False where that is too much.
+fn gather(origin: vec3f, least: vec3f, most: vec3f, reach: f32) -> bool {
+    let top_end = ray_nodes[0].skip;
+    gathered_parts = 0u;
+    var node = 0u;
+    var end = top_end;
+    var resume = 0u;
+    // Leaves of the mesh that were met, 0 at its beginning.
+    var leaves = 0u;
+    loop {
+        if node >= end {
+            if end == top_end {
+                return true;
+            }
+            node = resume;
+            end = top_end;
+            continue;
+        }
+        let is_met =
+            pyramid_meets_box(least, most, ray_nodes[node].low - origin, ray_nodes[node].high - origin, reach);
+        let members = ray_nodes[node].members;
+        let count = members % RAY_LEAF;
+        if !is_met {
+            node = ray_nodes[node].skip;
+        } else if count == RAY_INSTANCE {
+            resume = node + 1u;
+            node = members / RAY_LEAF;
+            end = ray_nodes[node].skip;
+            leaves = 0u;
+        } else if count == 0u {
+            node++;
+        } else {
+            var part = vec3u(node, node + 1u, 0u);
+            if count == RAY_COPY {
+                let copy = members / RAY_LEAF;
+                let first = ray_triangles[copy + 6u].x;
+                part = vec3u(first, ray_nodes[first].skip, copy);
+            }
+            leaves++;
+            let is_dense = end != top_end && leaves >= RAY_MOST_LEAVES;
+            let is_last = end != top_end && leaves > 1u && gathered_parts == RAY_PARTS;
+            let last = gathered_parts - 1u;
+            if is_dense || is_last {
+                gathered[last].y = end;
+                node = end;
+            } else {
+                if leaves > 1u && end != top_end && part.x - gathered[last].y <= RAY_PART_GAP {
+                    gathered[last].y = part.y;
+                } else if gathered_parts == RAY_PARTS {
+                    return false;
+                } else {
+                    gathered[gathered_parts] = part;
+                    gathered_parts++;
+                }
+                node++;
+            }
+        }
+    }
+    return true;
+}
+
 // Share of the light along a ray that nothing stops before `reach`, in lengths of `direction`.
 fn transmittance(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
+    return transmittance_through(origin, direction, reach, false);
+}
+
+// The same of one of the rays for which `gather` was called last, if `is_gathered`.
+fn transmittance_through(origin: vec3f, direction: vec3f, reach: f32, is_gathered: bool) -> f32 {
+    if is_gathered && gathered_parts == 0u {
+        return 1.0;
+    }
     if last_blocker != NO_TRIANGLE {
         let again = hit_of(last_blocker, ray_to(last_copy, origin, direction), reach);
         if again.opacity == 1.0 {
@@ -127,7 +209,7 @@ fn transmittance(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
             return 0.0;
         }
     }
-    let traced = trace(origin, direction, reach, -1.0);
+    let traced = trace(origin, direction, reach, -1.0, is_gathered);
     if traced.left < 1.0 {
         last_distance = traced.hit.distance;
     }
@@ -140,7 +222,7 @@ fn transmittance(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
 
 // The nearest of what stops a ray before `reach`; `chance`, in [0, 1), decides where only a share of rays stops.
 fn nearest_hit(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> RayHit {
-    return trace(origin, direction, reach, chance).hit;
+    return trace(origin, direction, reach, chance, false).hit;
 }
 
 // Along a ray: what stops it, or what of its light is left.
@@ -150,8 +232,8 @@ struct Traced {
 }
 
 // The nearest of what stops a ray before `reach` by `chance`; where that is below 0, what is left of its light, and the first that is found of
-// what stops all of it.
-fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
+// what stops all of it. Of what was gathered alone, if `is_gathered`.
+fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32, is_gathered: bool) -> Traced {
     let in_world = ray_to(0u, origin, direction);
     var ray = in_world;
     let top_end = ray_nodes[0].skip;
@@ -159,10 +241,23 @@ fn trace(origin: vec3f, direction: vec3f, reach: f32, chance: f32) -> Traced {
     var left = 1.0;
     var limit = reach;
     var node = 0u;
-    var end = top_end;
+    var end = select(top_end, 0u, is_gathered);
     var resume = 0u;
+    var part = 0u;
     loop {
         if node >= end {
+            if is_gathered {
+                if part == gathered_parts {
+                    break;
+                }
+                node = gathered[part].x;
+                end = gathered[part].y;
+                if gathered[part].z != ray.copy {
+                    ray = ray_to(gathered[part].z, origin, direction);
+                }
+                part++;
+                continue;
+            }
             if end == top_end {
                 break;
             }

@@ -7,7 +7,8 @@
 
 // Shadow rays: to points of a light from which as much of its light comes from each, weighted by the cosine. The importer binds `points`.
 
-// A row for every light of the frame: points on the plane that `outline_from` spans, and the number of rays to it.
+// A row for every light of the frame: points on the plane that `outline_from` spans, the number of rays to it, and the points' least and
+// greatest coordinates.
 @group(GROUP_SHADOW) @binding(3) var light_points: texture_2d<f32>;
 
 // Share of a ray's length that is left free before a light: what it hangs on.
@@ -16,6 +17,26 @@ const END_CLEARANCE: f32 = 1e-4;
 const DARK_SHARE: f32 = 0.03;
 // Penumbrae count as at least so many tiles wide: in a corner a little of the light has none, and the rest stays grainy.
 const LEAST_PENUMBRA: f32 = 2.0;
+
+// Below so many rays each is followed by itself.
+const LEAST_GATHERED: u32 = 4u;
+// Directions between which rays are gathered reach so far beyond them, as a share of their length, for what arithmetic loses.
+const GATHER_MARGIN: f32 = 1e-5;
+
+// Gathers what rays to a light may meet; false where there is too much of it.
+fn gather_to(origin: vec3f, outline: mat3x3f, offset: vec3f, row: u32, reach: f32) -> bool {
+    let low = textureLoad(light_points, vec2u(LIGHT_POINTS + 1u, row), 0).xy;
+    let high = textureLoad(light_points, vec2u(LIGHT_POINTS + 2u, row), 0).xy;
+    let middle = outline * vec3f(1.0, 0.5 * (low + high)) + offset;
+    let extent = 0.5 * (high - low);
+    let margin = GATHER_MARGIN * length(middle);
+    let across = abs(outline[1]) * extent.x + abs(outline[2]) * extent.y + margin;
+    return gather(origin, not_zero(middle - across), not_zero(middle + across), reach);
+}
+
+fn not_zero(direction: vec3f) -> vec3f {
+    return select(direction, vec3f(LEAST_COMPONENT), abs(direction) < vec3f(LEAST_COMPONENT));
+}
 
 fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f, n: vec3f) -> f32 {
     let origin = ray_origin(position_world, normal_world);
@@ -34,18 +55,20 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let extent = 2.0 * box_half_extent(light);
     let light_width = min(extent.x, extent.y);
     let least_penumbra = LEAST_PENUMBRA * f32(view.point_lists[0].sampling) * sample_extent_at(position_world);
+    // To the same places of a light that is not distant: a ray that ends behind them meets what the light hangs on.
+    let offset = select(position_world - origin, vec3f(0.0), is_distant);
+    let is_gathered = rays >= LEAST_GATHERED && gather_to(origin, outline, offset, row, reach);
     for (var i = 0u; i < rays; i++) {
         let place = textureLoad(light_points, vec2u((first + i) % LIGHT_POINTS, row), 0).xy;
         var direction = outline * vec3f(1.0, place);
         var weight = max(dot(n, direction), 0.0) * inverseSqrt(dot(direction, direction));
         if !is_distant {
             weight = irradiance_weight(outline, n, place);
-            // To the same place of the light: a ray that ends behind it meets what the light hangs on.
-            direction += position_world - origin;
+            direction += offset;
         }
         weights += weight;
         if weight > 0.0 && dot(normal_world, direction) > 0.0 {
-            let left = transmittance(origin, direction, reach);
+            let left = transmittance_through(origin, direction, reach, is_gathered);
             lit += weight * left;
             if left < 1.0 {
                 // Of a distant light.

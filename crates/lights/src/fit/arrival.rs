@@ -7,9 +7,9 @@ use super::faces::Faces;
 
 /// Texels along a cube face's edge.
 const SIZE: usize = 16;
-/// Below this share of open sky a scene is an interior: lights then go to what arrives. Outdoors, where most of it does, they stay where
-/// they are best for surfaces of any kind, so that neither camera nor pose changes them.
-const INTERIOR_BELOW: f64 = 0.25;
+/// Below this share of open sky a scene is an interior, or as good as one: a porch, a street between high houses. Lights then go to what arrives.
+/// In the open, where most of it does, they stay where they are best for surfaces of any kind, so that neither camera nor pose changes them.
+const INTERIOR_BELOW: f64 = 0.5;
 
 /// Share of the light of every direction that arrives at receivers, on cube faces in the order of [`CubeMap`].
 #[derive(Clone, Debug, PartialEq)]
@@ -116,7 +116,7 @@ mod tests {
     fn open_scenes_are_no_interiors() {
         let ones = vec![1.0; Arrival::DIRECTIONS];
         assert!(Arrival::of_interior(&ones, &ones).is_none());
-        assert!(Arrival::of_interior(&vec![0.3; Arrival::DIRECTIONS], &ones).is_none());
+        assert!(Arrival::of_interior(&vec![0.55; Arrival::DIRECTIONS], &ones).is_none());
         assert!(Arrival::of_interior(&vec![0.0; Arrival::DIRECTIONS], &ones).is_none(), "nothing arrives");
         assert!(
             Arrival::of_interior(&vec![0.0; Arrival::DIRECTIONS], &vec![0.0; Arrival::DIRECTIONS]).is_none()

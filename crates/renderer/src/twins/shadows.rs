@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec4};
 use gnomon_shaders::twin::{
-    depth_moments, micromap, partial_cover, sample_pattern, series, triangle_hit, weighted_box,
+    depth_moments, micromap, partial_cover, pyramid_meets_box, sample_pattern, series, triangle_hit,
+    weighted_box,
 };
 use gnomon_testing::tolerances::SHADER_TWIN;
 
@@ -131,6 +132,20 @@ fn rays_and_triangles() {
         // Slivers amplify rounding.
         let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).z.abs();
         if area > 1e-3 { hit } else { hit.round() }
+    });
+    // Pyramids about +z, boxes before them and beside them.
+    let body = "vec4f(select(0.0, 1.0, pyramid_meets_box(vec3f(a.xy - 0.3, 0.9), vec3f(a.xy + 0.2, 1.1), vec3f(b.xy, a.z), vec3f(b.xy + 0.3, a.z + b.z), 0.8)), vec3f(0.0))";
+    let input = |u: Vec4, v: Vec4| [(u - 0.5).with_z(u.z), (v - 0.5).with_z(v.z)];
+    compare("pyramid_meets_box", body, 0.0, input, |[a, b]| {
+        let vector = |x: f32, y: f32, z: f32| glam::Vec3::new(x, y, z);
+        let meets = pyramid_meets_box::pyramid_meets_box(
+            vector(a.x - 0.3, a.y - 0.3, 0.9),
+            vector(a.x + 0.2, a.y + 0.2, 1.1),
+            vector(b.x, b.y, a.z),
+            vector(b.x + 0.3, b.y + 0.3, a.z + b.z),
+            0.8,
+        );
+        Vec4::new(f32::from(meets), 0.0, 0.0, 0.0)
     });
     let body = "vec4f(f32(micro_triangle(a.x, a.y, u32(a.z * 64.0) + 1u)), 0.0, 0.0, 0.0)";
     compare(
