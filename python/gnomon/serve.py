@@ -170,6 +170,8 @@ class Server(ThreadingHTTPServer):
     """Draws what clients send under one environment. ``options`` are those of ``Renderer.render``."""
 
     daemon_threads = True
+    # Connections that wait to be taken or refused.
+    request_queue_size = 2 * CONNECTIONS
 
     def __init__(self, address, environment, adapter=None, up="z", exposure=None, **options):
         self.environment = environment
