@@ -223,6 +223,30 @@ def test_the_stubs_name_what_there_is():
             assert public == {member for member in members if not member.startswith("_")}, name
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
+def test_scene_after_scene_takes_no_more_memory(room):
+    code = """if True:
+        import sys
+        import gnomon
+        import numpy as np
+        sys.path.insert(0, sys.argv[1])
+        from conftest import QUICK
+        renderer, room, random = gnomon.Renderer(), gnomon.Environment.load("room"), np.random.default_rng(1)
+        for number in range(31):
+            scene = gnomon.Scene.load(["three-boxes", "column"][number % 2])
+            scene.add_mesh("soup", random.random((12000, 3)), np.arange(12000).reshape(-1, 3))
+            renderer.render(scene, None, room, (48, 36), layers=["depth"], **QUICK)
+            if number in (10, 30):
+                with open("/proc/self/status") as status:
+                    print(next(line.split()[1] for line in status if line.startswith("VmRSS")))
+    """
+    ran = subprocess.run([sys.executable, "-c", code, os.path.dirname(__file__)], capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stderr
+    early, late = map(int, ran.stdout.split())
+    # Kept, the meshes of twenty scenes would be more than that.
+    assert late - early < 8 << 10
+
+
 def test_a_lost_device_is_told_once_and_opened_anew(boxes, room):
     own = gnomon.Renderer()
     before = own.render(boxes, None, room, SIZE, **QUICK)
