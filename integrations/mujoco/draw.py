@@ -39,7 +39,7 @@ def turned(radii, heights, normals_out, normals_up, columns=33):
 
 def shape(model, geom):
     """Vertices, triangles and normals of a geom in its own frame; normals are None where faces are flat."""
-    kind, size = model.geom_type[geom], model.geom_size[geom]
+    kind, size = mujoco.mjtGeom(model.geom_type[geom]), model.geom_size[geom]
     arc = np.linspace(0, np.pi, 17)
     if kind in (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_ELLIPSOID):
         scale = np.full(3, size[0]) if kind == mujoco.mjtGeom.mjGEOM_SPHERE else size
@@ -70,6 +70,25 @@ def shape(model, geom):
     return None
 
 
+def linear(color):
+    """Linear values of sRGB ones, as MuJoCo's colours are."""
+    return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+
+
+def base_color(model, geom):
+    """A geom's colour; of a texture the mean."""
+    material = model.geom_matid[geom]
+    if material < 0:
+        return linear(model.geom_rgba[geom, :3])
+    texture = model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB]
+    if texture < 0:
+        return linear(model.mat_rgba[material, :3])
+    first, channels = model.tex_adr[texture], model.tex_nchannel[texture]
+    texels = model.tex_data[first : first + model.tex_height[texture] * model.tex_width[texture] * channels]
+    mean = linear(texels.reshape(-1, channels)[:, :3] / 255).mean(0)
+    return mean * linear(model.mat_rgba[material, :3])
+
+
 class MujocoScene:
     """A Gnomon scene of a model's geoms, those of groups 0 to 2, which MuJoCo shows."""
 
@@ -81,11 +100,7 @@ class MujocoScene:
             if made is None:
                 continue
             vertices, triangles, normals = made
-            material = model.geom_matid[geom]
-            rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
-            # MuJoCo's colours are sRGB values.
-            color = np.where(rgba[:3] <= 0.04045, rgba[:3] / 12.92, ((rgba[:3] + 0.055) / 1.055) ** 2.4)
-            name = f"{geom} {model.geom(geom).name}"
+            name, color = f"{geom} {model.geom(geom).name}", base_color(model, geom)
             self.nodes[geom] = self.scene.add_mesh(
                 name, vertices, triangles, normals=normals, base_color=color, roughness=0.6
             )

@@ -1,35 +1,53 @@
 """A render server for Drake's RenderEngineGltfClient: `python -m gnomon.serve --env grace.hdr`.
 
 It speaks the glTF render client-server protocol of Drake's documentation: POST /render with a scene and a camera, an image back: colour as
-8-bit PNG, depth as 32-bit TIFF in metres, labels as the colours that Drake gives them. It listens on this machine only unless told otherwise, opens no file that a
-client names, and limits sizes, times and how many requests are drawn at once. Every refusal is one line of text with a status of 4xx.
+8-bit PNG, depth as 32-bit TIFF in metres, labels as the colours that Drake gives them. Nothing is added to the scene: it stands on no ground
+but its own. The server listens on this machine only unless told otherwise, opens no file that a client names, and limits sizes, times, and how
+many requests it holds at once. A refusal is one line of text, with a status of 4xx for what is the client's fault.
 """
 
 import argparse
+import contextlib
+import email.message
 import email.parser
-import email.policy
 import hashlib
 import math
+import socket
 import struct
+import sys
 import threading
+import time
+import traceback
 import zlib
 from collections import OrderedDict
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 
-from . import Camera, Environment, Error, Renderer, Scene, png
+from . import Camera, DeviceLost, Environment, Error, Renderer, Scene, png
 
 __all__ = ["Server", "main"]
 
 LARGEST_BODY = 256 << 20
 """Longest request [bytes]."""
+LARGEST_BODIES = 512 << 20
+"""Of all requests that are held at once [bytes]."""
+MOST_FIELDS = 64
+"""Fields of a form."""
+LARGEST_HEAD = 4096
+"""Longest head of a field [bytes]."""
 LARGEST_SIDE = 4096
 """Widest and highest image [pixels]."""
 SECONDS = 30
-"""Longest silence of a client."""
+"""Longest silence of a client, and how long the head of a request may take."""
+SLOWEST = 1 << 20
+"""A request that comes slower than this [bytes/s] is given up, after those seconds."""
+CONNECTIONS = 64
+"""Connections that are held at once; more are told to come again."""
 WAITING = 16
 """Requests that are read or drawn at once; more are told to come again."""
+DRAINED = 2
+"""How long what is left of a refused request is read and dropped [s]: a client that is still sending would not see the answer."""
 SCENES = 4
 """Scenes that are kept."""
 EMPTY = 32766
@@ -48,17 +66,28 @@ class Refused(Exception):
 
 
 def form(content_type, body):
-    """The fields of a multipart form, as bytes by their names."""
-    head = f"Content-Type: {content_type}\r\n\r\n".encode("latin-1", "replace")
-    message = email.parser.BytesParser(policy=email.policy.HTTP).parsebytes(head + body)
-    if message.get_content_type() != "multipart/form-data" or not message.is_multipart():
+    """The fields of a multipart form (RFC 7578), as bytes by their names."""
+    header = email.message.Message()
+    header["Content-Type"] = content_type
+    boundary = header.get_boundary()
+    if header.get_content_type() != "multipart/form-data" or not boundary:
         raise Refused(400, "the body is no multipart/form-data")
+    delimiter = b"\r\n--" + boundary.encode("latin-1", "replace")
+    if not body.startswith(delimiter[2:]):
+        raise Refused(400, "the form does not begin with its boundary")
+    *parts, end = body[len(delimiter) - 2 :].split(delimiter, MOST_FIELDS + 1)
+    if not end.startswith(b"--") or len(parts) > MOST_FIELDS:
+        raise Refused(400, f"the form has no end, or more than {MOST_FIELDS} fields")
     fields = {}
-    for part in message.iter_parts():
-        name = part.get_param("name", header="content-disposition")
-        if name is None or name in fields:
+    for part in parts:
+        head, _, value = part.partition(b"\r\n\r\n")
+        name = None
+        if len(head) <= LARGEST_HEAD:
+            head = email.parser.BytesHeaderParser().parsebytes(head.lstrip(b"\r\n"))
+            name = head.get_param("name", header="content-disposition")
+        if not isinstance(name, str) or name in fields:
             raise Refused(400, "a field of the form has no name, or that of another")
-        fields[name] = part.get_payload(decode=True) or b""
+        fields[name] = value
     return fields
 
 
@@ -141,6 +170,8 @@ class Server(ThreadingHTTPServer):
     """Draws what clients send under one environment. ``options`` are those of ``Renderer.render``."""
 
     daemon_threads = True
+    # Connections that wait to be taken or refused.
+    request_queue_size = 2 * CONNECTIONS
 
     def __init__(self, address, environment, adapter=None, up="z", exposure=None, **options):
         self.environment = environment
@@ -152,7 +183,43 @@ class Server(ThreadingHTTPServer):
         self.scenes = OrderedDict()
         self.lock = threading.Lock()
         self.places = threading.BoundedSemaphore(WAITING)
+        self.connections = threading.BoundedSemaphore(CONNECTIONS)
+        self.held = 0
         super().__init__(address, Handler)
+
+    def process_request(self, request, client_address):
+        if self.connections.acquire(blocking=False):
+            super().process_request(request, client_address)
+            return
+        with contextlib.suppress(OSError):
+            request.settimeout(1)
+            request.sendall(b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Length: 0\r\n\r\n")
+        self.shutdown_request(request)
+
+    def process_request_thread(self, request, client_address):
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self.connections.release()
+
+    def handle_error(self, request, client_address):
+        # A client that goes away is no news.
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+    @contextlib.contextmanager
+    def room(self, length):
+        """Holds so many bytes of a request, if there is room beside those of the others."""
+        with self.lock:
+            has_room = self.held + length <= LARGEST_BODIES
+            self.held += length if has_room else 0
+        if not has_room:
+            raise Refused(503, "too much is sent at once: come again")
+        try:
+            yield
+        finally:
+            with self.lock:
+                self.held -= length
 
     def scene(self, request):
         """The scene of a request, read once while it is among the last."""
@@ -160,7 +227,9 @@ class Server(ThreadingHTTPServer):
             if request.digest in self.scenes:
                 self.scenes.move_to_end(request.digest)
                 return self.scenes[request.digest]
-        scene = Scene.load(request.scene, format="gltf" if request.scene.lstrip()[:1] == b"{" else "glb")
+        is_text = request.scene[:64].lstrip()[:1] == b"{"
+        # A sensor measures what the client has sent.
+        scene = Scene.load(request.scene, format="gltf" if is_text else "glb", ground="none")
         if self.up == "z":
             upright(scene)
         with self.lock:
@@ -203,35 +272,87 @@ class Handler(BaseHTTPRequestHandler):
     def do_GET(self):
         self.answer(404, b"POST a form to /render\n", "text/plain")
 
-    def do_POST(self):
-        if not self.server.places.acquire(blocking=False):
-            self.answer(503, b"too many requests at once: come again\n", "text/plain")
-            return
+    def handle_one_request(self):
+        # The timeout counts from byte to byte: a head that trickles in would go on for ever.
+        self.patience = threading.Timer(self.timeout, self.hang_up)
+        self.patience.daemon = True
+        self.patience.start()
         try:
-            image, kind = self.server.draw(Request(form(self.headers.get("Content-Type", ""), self.body())))
-            self.answer(200, image, kind)
-        except Refused as refused:
-            self.answer(refused.status, f"{refused}\n".encode(), "text/plain")
-        except Error as error:
-            self.answer(400, f"{error}\n".encode(), "text/plain")
-        except TimeoutError:
-            self.answer(408, f"nothing came for {SECONDS} s\n".encode(), "text/plain")
+            super().handle_one_request()
         finally:
-            self.server.places.release()
+            self.patience.cancel()
 
-    def body(self):
-        if self.path != "/render":
-            raise Refused(404, "POST a form to /render")
+    def hang_up(self):
+        with contextlib.suppress(OSError):
+            self.connection.shutdown(socket.SHUT_RD)
+
+    def do_POST(self):
+        self.patience.cancel()
+        if self.server.places.acquire(blocking=False):
+            try:
+                status, body, kind = self.drawn()
+            finally:
+                self.server.places.release()
+        else:
+            status, body, kind = 503, b"too many requests at once: come again\n", "text/plain"
+        self.answer(status, body, kind)
+        if status != 200:
+            self.drain()
+
+    def drawn(self):
+        """What a request is answered: status, body and its type."""
+        try:
+            if self.path != "/render":
+                raise Refused(404, "POST a form to /render")
+            length = self.length()
+            with self.server.room(length):
+                image, kind = self.server.draw(Request(form(self.headers.get("Content-Type", ""), self.body(length))))
+            return 200, image, kind
+        except Refused as refused:
+            return refused.status, f"{refused}\n".encode(), "text/plain"
+        except DeviceLost as error:
+            return 503, f"{error}\n".encode(), "text/plain"
+        except Error as error:
+            return 400, f"{error}\n".encode(), "text/plain"
+        except TimeoutError:
+            return 408, f"the request did not come within {self.timeout} s and {SLOWEST} bytes a second\n".encode(), "text/plain"
+        except ConnectionError:
+            raise
+        except Exception:
+            traceback.print_exc()
+            return 500, b"the server has a fault; its standard error says which\n", "text/plain"
+
+    def length(self):
         try:
             length = int(self.headers["Content-Length"])
         except (TypeError, ValueError):
             raise Refused(411, "the request does not say how long it is (Content-Length)") from None
         if not 0 <= length <= LARGEST_BODY:
             raise Refused(413, f"a request has at most {LARGEST_BODY} bytes")
-        body = self.rfile.read(length)
-        if len(body) < length:
-            raise Refused(400, "the request ended before it was whole")
-        return body
+        return length
+
+    def body(self, length):
+        deadline = time.monotonic() + self.timeout + length / SLOWEST
+        parts, left = [], length
+        while left > 0:
+            if time.monotonic() > deadline:
+                raise TimeoutError
+            part = self.rfile.read1(min(left, 1 << 20))
+            if not part:
+                raise Refused(400, "the request ended before it was whole")
+            parts.append(part)
+            left -= len(part)
+        return b"".join(parts)
+
+    def drain(self):
+        """Drops what is left of a refused request, for a while."""
+        with contextlib.suppress(OSError):
+            self.wfile.flush()
+            self.connection.shutdown(socket.SHUT_WR)
+            self.connection.settimeout(DRAINED)
+            deadline = time.monotonic() + DRAINED
+            while time.monotonic() < deadline and self.rfile.read1(1 << 20):
+                pass
 
     def answer(self, status, body, kind):
         # What is left of a refused request is not taken for the next one.
@@ -244,7 +365,7 @@ class Handler(BaseHTTPRequestHandler):
                 self.send_header("Connection", "close")
             self.end_headers()
             self.wfile.write(body)
-        except (ConnectionError, TimeoutError):
+        except OSError:
             self.close_connection = True
 
     def log_message(self, *arguments):

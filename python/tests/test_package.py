@@ -2,6 +2,7 @@
 
 import copy
 import multiprocessing
+import os
 import pickle
 import signal
 import subprocess
@@ -220,6 +221,58 @@ def test_the_stubs_name_what_there_is():
             public = {member for member in vars(getattr(gnomon, name)) if not member.startswith("_")}
             members = {node.name for node in named[name].body if isinstance(node, ast.FunctionDef)}
             assert public == {member for member in members if not member.startswith("_")}, name
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
+def test_scene_after_scene_takes_no_more_memory(room):
+    code = """if True:
+        import sys
+        import gnomon
+        import numpy as np
+        sys.path.insert(0, sys.argv[1])
+        from conftest import QUICK
+        renderer, room, random = gnomon.Renderer(), gnomon.Environment.load("room"), np.random.default_rng(1)
+        for number in range(31):
+            scene = gnomon.Scene.load(["three-boxes", "column"][number % 2])
+            scene.add_mesh("soup", random.random((12000, 3)), np.arange(12000).reshape(-1, 3))
+            renderer.render(scene, None, room, (48, 36), layers=["depth"], **QUICK)
+            if number in (10, 30):
+                with open("/proc/self/status") as status:
+                    print(next(line.split()[1] for line in status if line.startswith("VmRSS")))
+    """
+    ran = subprocess.run([sys.executable, "-c", code, os.path.dirname(__file__)], capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stderr
+    early, late = map(int, ran.stdout.split())
+    # Kept, the meshes of twenty scenes would be more than that.
+    assert late - early < 8 << 10
+
+
+def test_a_lost_device_is_told_once_and_opened_anew(boxes, room):
+    own = gnomon.Renderer()
+    before = own.render(boxes, None, room, SIZE, **QUICK)
+    own._lose_device()
+    with pytest.raises(gnomon.DeviceLost, match="device"):
+        own.render(boxes, None, room, SIZE, **QUICK)
+    assert np.array_equal(own.render(boxes, None, room, SIZE, **QUICK), before)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="drivers are named to Vulkan's loader")
+def test_without_a_driver_all_but_drawing_works():
+    code = """if True:
+        import gnomon
+        boxes, room = gnomon.Scene.load("three-boxes"), gnomon.Environment.load("room")
+        print(len(gnomon.fit(room, light_count=6)), gnomon.reference(boxes, None, room, (8, 6), samples=1).shape)
+        try:
+            gnomon.Renderer()
+        except gnomon.Error as error:
+            print(error)
+    """
+    nothing = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent", "LIBGL_DRIVERS_PATH": "/nonexistent"}
+    environment = {**os.environ, **nothing, "__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent"}
+    ran = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
+    assert ran.returncode == 0, ran.stderr
+    worked, told = ran.stdout.splitlines()
+    assert worked == "6 (6, 8, 3)" and "adapter" in told
 
 
 def test_a_renderer_says_which_adapter_it_took(renderer):

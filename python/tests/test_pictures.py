@@ -1,5 +1,6 @@
 """Pictures: the command's, bit by bit, whatever was drawn before and on whichever thread."""
 
+import json
 import threading
 
 import gnomon
@@ -188,3 +189,16 @@ def test_the_reference_agrees_and_a_check_tells_the_error(renderer, boxes, room)
     mask = np.zeros((72, 96), bool)
     mask[:10] = True
     assert gnomon.compare(radiance, truth, mask)["pixels"] == 960
+
+
+def test_a_camera_goes_with_the_node_that_carries_it():
+    hand = {"name": "hand", "translation": [0, 1, 0], "children": [1]}
+    eye = {"name": "eye", "camera": 0, "translation": [0, 0, 2]}
+    lens = {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}
+    file = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [hand, eye], "cameras": [lens]}
+    scene = gnomon.Scene.load(json.dumps(file).encode(), format="gltf")
+    assert np.allclose(scene.camera("eye").world_from_camera, scene.world_pose("eye"))
+    scene.set_joint("hand", 90, axis=(0, 1, 0))
+    assert np.allclose(scene.camera("eye").eye, (2, 1, 0), atol=1e-6)
+    scene.set_pose("eye", np.eye(4))
+    assert np.allclose(scene.camera("eye").world_from_camera, scene.world_pose("hand"), atol=1e-6)

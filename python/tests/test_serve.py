@@ -20,10 +20,14 @@ from conftest import QUICK, skip
 from test_pictures import cube
 
 SIZE = (48, 36)
+PLACES = [(-0.8, 0.3, 0), (0.8, -0.2, -0.4)]
+# Row and column of the middles of their tops, 2.5 and 2.9 m below a camera of 40 pixels.
+LEFT, RIGHT = (13, 11), (20, 35)
 
 
 def gltf(label=(300, 7)):
-    """Two boxes in a scene with +z up, coloured as Drake colours labels, and a camera 3 m above that looks down."""
+    """Two boxes in a scene with +z up, coloured as Drake colours labels, and a camera 3 m above that looks down, all of it below one node as in
+    Drake's scenes. No turn about an axis takes it to itself."""
     vertices, triangles = cube()
     corners = (vertices - 0.5).astype("<f4")
     indices = triangles.astype("<u2")
@@ -35,11 +39,12 @@ def gltf(label=(300, 7)):
     return {
         "asset": {"version": "2.0"},
         "scene": 0,
-        "scenes": [{"nodes": [0, 1, 2]}],
+        "scenes": [{"nodes": [3]}],
         "nodes": [
-            {"mesh": 0, "translation": [-0.8, 0, 0]},
-            {"mesh": 1, "translation": [0.8, 0, 0]},
+            {"mesh": 0, "translation": PLACES[0]},
+            {"mesh": 1, "translation": PLACES[1]},
             {"camera": 0, "translation": [0, 0, 3]},
+            {"children": [0, 1, 2]},
         ],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.01, "zfar": 10, "aspectRatio": 4 / 3}}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": n}]} for n in (0, 1)],
@@ -121,19 +126,19 @@ def test_colour_depth_and_labels_are_those_of_the_scene(post, tmp_path):
     (tmp_path / "color.png").write_bytes(image)
     color = gnomon.read(tmp_path / "color.png")
     assert color.shape == (36, 48, 3)
-    status, kind, image = post(fields(image_type="depth", min_depth=0.1, max_depth=2.9))
+    status, kind, image = post(fields(image_type="depth", min_depth=2.6, max_depth=2.95))
     assert (status, kind) == (200, "image/tiff")
     depth = np.frombuffer(image[-4 * 48 * 36 :], "<f4").reshape(36, 48)
-    # The tops of the boxes are 2.5 m below, 0.3 to 1.3 m from the middle: at 40 pixels / 2.5 m.
-    assert depth[18, 24 + 12] == pytest.approx(2.5, abs=1e-4) and np.isinf(depth[18, 24]) and np.isinf(depth[0, 0])
+    assert depth[RIGHT] == pytest.approx(2.9, abs=1e-4) and depth[LEFT] == 0
+    # No ground lies under them.
+    assert np.isinf(depth[18, 24]) and np.isinf(depth[0, 0])
     status, kind, image = post(fields(image_type="label"))
     assert (status, kind) == (200, "image/png")
     labels = labels_of(image)
     assert set(np.unique(labels)) == {300, 7, gnomon.serve.EMPTY}
-    assert (labels[18, 24 - 12], labels[18, 24 + 12], labels[18, 24]) == (300, 7, gnomon.serve.EMPTY)
-    # Red is on the left: its label has more of it.
-    left, right = color[14:22, 8:16].mean((0, 1)), color[14:22, 32:40].mean((0, 1))
-    assert left[1] > right[1]
+    assert (labels[LEFT], labels[RIGHT], labels[18, 24]) == (300, 7, gnomon.serve.EMPTY)
+    # The label on the left has a green byte.
+    assert color[LEFT][1] > color[RIGHT][1]
 
 
 @pytest.mark.parametrize(
@@ -182,6 +187,82 @@ def test_what_is_no_request_is_refused_and_hurts_no_other(server, post, monkeypa
     assert post(fields()) == expected
 
 
+def damaged(generator):
+    """A body that is no request, or a request that was damaged on its way."""
+    body = bytearray(encoded(fields(image_type="label")))
+    kind = generator.integers(4)
+    if kind == 0:
+        return bytes(body[: generator.integers(len(body))])
+    if kind == 1:
+        return generator.bytes(int(generator.integers(4096)))
+    for place in generator.integers(len(body), size=8 if kind == 2 else 1000):
+        body[place] = generator.integers(256)
+    return bytes(body)
+
+
+def peak(process):
+    """Most memory that a process has had [bytes]."""
+    with open(f"/proc/{process.pid}/status") as status:
+        return next(int(line.split()[1]) << 10 for line in status if line.startswith("VmHWM"))
+
+
+@pytest.fixture()
+def process(renderer):
+    """A server in a process of its own, and its port."""
+    command = [sys.executable, "-m", "gnomon.serve", "--env", "room", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            yield process, int(process.stdout.readline().split("/render")[0].rpartition(":")[2])
+        finally:
+            process.kill()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
+def test_two_hundred_bad_requests_hurt_no_other(process):
+    process, port = process
+
+    def post(body, length=None):
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+        head = {"Content-Type": "multipart/form-data; boundary=frontier", "Content-Length": length or len(body)}
+        connection.request("POST", "/render", body, head)
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+
+    good = encoded(fields(image_type="label"))
+    expected = post(good)
+    assert expected[0] == 200
+    before = peak(process)
+    silent = [socket.create_connection(("127.0.0.1", port)) for _ in range(10)]
+    [client.sendall(b"POST /render HTTP/1.1\r\nContent-Length: 100000000\r\n\r\n") for client in silent[:5]]
+    generator = np.random.default_rng(4)
+    bodies = [damaged(generator) for _ in range(160)]
+    found, drawn = [], []
+
+    def ask(part):
+        found.extend(post(body) for body in bodies[part::4])
+        # Much is announced and little is sent.
+        found.extend(post(b"x" * 100_000, 1 << size) for size in range(29, 37))
+        drawn.extend(post(good) for _ in range(4))
+
+    threads = [threading.Thread(target=ask, args=(part,)) for part in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert drawn == [expected] * 16
+    # Damage to what counts for nothing, as the file's name, leaves a request.
+    refused = [text for status, text in found if 400 <= status < 500]
+    assert {status for status, _ in found} <= {200, 400, 413} and len(refused) > 180 and len(found) == 192
+    assert all(text.count(b"\n") == 1 and len(text) < 1000 for text in refused)
+    assert peak(process) - before < 100 << 20
+    [client.close() for client in silent]
+    # More connections than are held at once.
+    crowd = [socket.create_connection(("127.0.0.1", port)) for _ in range(gnomon.serve.CONNECTIONS + 8)]
+    assert b"503" in crowd[-1].recv(100)
+    [client.close() for client in crowd]
+    assert post(good) == expected
+    process.kill()
+    assert process.stderr.read() == ""
+
+
 # The client keeps the interpreter's lock while it waits: it is another process.
 CLIENT = """
 import sys
@@ -198,7 +279,7 @@ graph = SceneGraph()
 params = RenderEngineGltfClientParams(base_url=sys.argv[1], render_endpoint="render")
 graph.AddRenderer("gnomon", MakeRenderEngineGltfClient(params))
 source = graph.RegisterSource("test")
-for place, label in [((-0.8, 0, 0), 300), ((0.8, 0, 0), 7)]:
+for place, label in [((-0.8, 0.3, 0), 300), ((0.8, -0.2, -0.4), 7)]:
     properties = PerceptionProperties()
     properties.AddProperty("phong", "diffuse", Rgba(0.8, 0.2, 0.1, 1))
     properties.AddProperty("label", "id", RenderLabel(label))
@@ -213,7 +294,7 @@ frame = graph.world_frame_id()
 np.savez(
     sys.argv[2],
     color=query.RenderColorImage(ColorRenderCamera(core), frame, pose).data,
-    depth=query.RenderDepthImage(DepthRenderCamera(core, DepthRange(0.1, 2.9)), frame, pose).data,
+    depth=query.RenderDepthImage(DepthRenderCamera(core, DepthRange(0.1, 2.95)), frame, pose).data,
     labels=query.RenderLabelImage(ColorRenderCamera(core), frame, pose).data,
     empty=int(RenderLabel.kEmpty),
 )
@@ -228,6 +309,6 @@ def test_drake_s_client_draws_with_it(server, tmp_path):
     images = np.load(images)
     color, depth, labels = (images[name] for name in ("color", "depth", "labels"))
     assert images["empty"] == gnomon.serve.EMPTY
-    assert color.shape == (36, 48, 4) and color[18, 12, 0] > color[18, 12, 2]
-    assert abs(depth[18, 36, 0] - 2.5) < 1e-3 and np.isinf(depth[18, 24, 0])
-    assert (labels[18, 12, 0], labels[18, 36, 0], labels[18, 24, 0]) == (300, 7, gnomon.serve.EMPTY)
+    assert color.shape == (36, 48, 4) and color[LEFT][0] > color[LEFT][2]
+    assert abs(depth[LEFT] - 2.5) < 1e-3 and abs(depth[RIGHT] - 2.9) < 1e-3 and np.isinf(depth[18, 24])
+    assert (labels[LEFT], labels[RIGHT], labels[18, 24]) == (300, 7, gnomon.serve.EMPTY)

@@ -217,6 +217,15 @@ impl Renderer {
         })
     }
 
+    /// Loses the device, as a driver's reset does; for tests.
+    fn _lose_device(&self, py: Python<'_>) -> PyResult<()> {
+        work::run(py, None, |_| {
+            let session = self.session.lock().unwrap_or_else(PoisonError::into_inner);
+            session.gpu.iter().for_each(|gpu| gpu.device().destroy());
+            Ok(())
+        })
+    }
+
     fn __repr__(&self) -> String {
         let AdapterSummary { name, backend, .. } = &self.adapter;
         format!("<gnomon.Renderer on {name} ({backend}), {}>", self.reason)

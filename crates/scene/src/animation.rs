@@ -250,11 +250,22 @@ impl Scene {
     }
 
     fn move_cameras(&mut self) {
-        if self.camera_mounts.is_empty() {
+        let animated: Vec<NodeId> = self.animated.iter().map(|animated| animated.node).collect();
+        self.take_cameras_along(&animated);
+    }
+
+    /// Puts the cameras that are on these nodes, or below them, where their nodes are now. The others keep their digits.
+    pub fn take_cameras_along(&mut self, moved: &[NodeId]) {
+        if self.camera_mounts.is_empty() || moved.is_empty() {
             return;
         }
+        let mut moves = vec![false; self.nodes.len()];
+        moved.iter().for_each(|node| moves[node.0] = true);
+        for (index, node) in self.nodes.iter().enumerate() {
+            moves[index] |= node.parent.is_some_and(|parent| moves[parent.0]);
+        }
         let world = self.world_from_nodes();
-        for mount in &self.camera_mounts {
+        for mount in self.camera_mounts.iter().filter(|mount| moves[mount.node.0]) {
             // A collapsed transform has no direction to look along: the camera stays.
             let place = crate::camera::rigid(world[mount.node.0]);
             if let (Some(place), Some(camera)) = (place, self.cameras.get_mut(mount.camera)) {

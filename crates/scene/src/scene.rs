@@ -67,7 +67,7 @@ pub struct Node {
     pub weights: Vec<f32>,
 }
 
-/// A camera that an animated node carries.
+/// A camera that a node carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CameraMount {
     /// Index into [`Scene::cameras`].
@@ -104,7 +104,7 @@ pub struct Scene {
     pub animations: Vec<Arc<Animation>>,
     /// The nodes that clips move, each once, with their pose in the file.
     pub animated: Vec<AnimatedNode>,
-    /// Cameras that go with animated nodes.
+    /// Cameras that go with nodes.
     pub camera_mounts: Vec<CameraMount>,
     /// The node of the ground that [`Scene::add_ground`] or a built-in scene put under the models: it is drawn like any
     /// other, but does not count in framing.

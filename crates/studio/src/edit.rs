@@ -24,7 +24,7 @@ impl Project {
         named("material", name, self.scene.materials.iter().map(|material| material.name.as_str()))
     }
 
-    /// Places a node in its parent's space, at rest as in all clips that do not move it.
+    /// Places a node in its parent's space, at rest as in all clips that do not move it. Cameras that it carries go with it.
     pub fn place(&mut self, node: NodeId, parent_from_node: Affine3A) {
         self.scene.nodes[node.0].parent_from_node = parent_from_node;
         if let Some(animated) = self.scene.animated.iter_mut().find(|animated| animated.node == node) {
@@ -32,6 +32,7 @@ impl Project {
             (animated.scale, animated.rotation, animated.translation) =
                 parent_from_node.to_scale_rotation_translation();
         }
+        self.scene.take_cameras_along(&[node]);
     }
 
     /// The surface of a material as the look has it.

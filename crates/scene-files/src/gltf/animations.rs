@@ -6,21 +6,19 @@ use std::sync::Arc;
 
 use glam::{DVec3, Quat, Vec3};
 use gnomon_messages::quoted;
-use gnomon_scene::{AnimatedNode, Animation, CameraMount, Channel, Interpolation, Keys, NodeId, Scene};
+use gnomon_scene::{AnimatedNode, Animation, Channel, Interpolation, Keys, NodeId, Scene};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
 use super::schema::{AnimationEntry, ChannelEntry, ChannelTarget, Int, NodeEntry, Pointer, Root};
 use super::{Budget, Fault, get};
 
-/// Adds the file's animations to its scene. `places` has the scene's node of every node of the file, `carriers` the node
-/// of every camera.
+/// Adds the file's animations to its scene. `places` has the scene's node of every node of the file.
 pub fn read(
     root: &Root,
     accessors: &Accessors,
     meshes: &Meshes,
     places: &[Option<usize>],
-    carriers: &[NodeId],
     budget: &mut Budget,
     scene: &mut Scene,
 ) -> Result<(), Fault> {
@@ -57,21 +55,7 @@ pub fn read(
     }
     scene.animated = animated.into_values().collect();
     scene.animated.sort_by_key(|animated| animated.node.0);
-    mount_cameras(carriers, scene);
     Ok(())
-}
-
-/// Cameras on nodes that are animated, or below such nodes.
-fn mount_cameras(carriers: &[NodeId], scene: &mut Scene) {
-    let mut moves = vec![false; scene.nodes.len()];
-    for animated in &scene.animated {
-        moves[animated.node.0] = true;
-    }
-    for (index, node) in scene.nodes.iter().enumerate() {
-        moves[index] |= node.parent.is_some_and(|parent| moves[parent.0]);
-    }
-    let mounted = carriers.iter().enumerate().filter(|(_, node)| moves[node.0]);
-    scene.camera_mounts = mounted.map(|(camera, &node)| CameraMount { camera, node }).collect();
 }
 
 fn at_rest(entry: &NodeEntry, node: NodeId, scene: &Scene) -> AnimatedNode {

@@ -66,7 +66,7 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
     let variant = shown.and_then(|name| scene.variants.iter().position(|variant| variant == name));
     let mut meshes = Meshes::new(&root, &accessors, &sets, variant);
     let places = nodes::read(&root, &order, source.options, &accessors, &mut meshes, budget, &mut scene)?;
-    animations::read(&root, &accessors, &meshes, &places.nodes, &places.cameras, budget, &mut scene)?;
+    animations::read(&root, &accessors, &meshes, &places, budget, &mut scene)?;
     if !root.meshes.is_empty() && root.nodes.is_empty() {
         scene.warnings.push("the file has no nodes: each mesh is shown once, at the origin".to_owned());
         for (index, mesh) in root.meshes.iter().enumerate() {
@@ -76,7 +76,7 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
             scene.nodes.push(Node { name, meshes: ids, weights, ..Node::default() });
         }
     }
-    origin::recenter(&root, &order, &places.cameras, &mut scene);
+    origin::recenter(&root, &order, &mut scene);
     Ok(source.loaded(scene, Ground::Fade))
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Mat4, Quat, Vec3};
 use gnomon_messages::quoted;
-use gnomon_scene::{Node, NodeId, Scene};
+use gnomon_scene::{CameraMount, Node, NodeId, Scene};
 
 use super::accessors::Accessors;
 use super::meshes::Meshes;
@@ -118,15 +118,8 @@ fn descend(root: &Root, roots: &[usize]) -> Vec<Place> {
     order
 }
 
-/// Where the file's nodes and cameras went.
-pub struct Places {
-    /// The scene's node of every node of the file; `None` for those that it does not have.
-    pub nodes: Vec<Option<usize>>,
-    /// The node of each of the scene's cameras.
-    pub cameras: Vec<NodeId>,
-}
-
-/// Adds the nodes, their meshes, skins and cameras to the scene.
+/// Adds the nodes, their meshes, skins and cameras to the scene. Gives the scene's node of every node of the file; `None` for those that it does
+/// not have.
 pub fn read(
     root: &Root,
     order: &[Place],
@@ -135,17 +128,17 @@ pub fn read(
     meshes: &mut Meshes,
     budget: &mut Budget,
     scene: &mut Scene,
-) -> Result<Places, Fault> {
+) -> Result<Vec<Option<usize>>, Fault> {
     budget.take(order.len(), size_of::<Node>() + 2 * size_of::<Affine3A>())?;
     let mut local = Vec::with_capacity(order.len());
     let mut world: Vec<Affine3A> = Vec::with_capacity(order.len());
-    let mut places = Places { nodes: vec![None; root.nodes.len()], cameras: Vec::new() };
+    let mut places = vec![None; root.nodes.len()];
     for (number, place) in order.iter().enumerate() {
         let parent_from_node = transform(&root.nodes[place.node], place.node)?;
         let parent = place.parent.map_or(Affine3A::IDENTITY, |parent| world[parent]);
         local.push(parent_from_node);
         world.push(parent * parent_from_node);
-        places.nodes[place.node] = Some(number);
+        places[place.node] = Some(number);
     }
     let mut skins = Skins::default();
     let mut copies = Vec::new();
@@ -165,7 +158,7 @@ pub fn read(
             node.meshes = meshes.read(mesh, budget, scene)?;
             node.weights = meshes.weights(mesh, entry.weights.as_deref(), budget)?;
             if let Some(Int(skin)) = entry.skin {
-                let skin = skins.read(root, accessors, skin, &places.nodes, budget, scene)?;
+                let skin = skins.read(root, accessors, skin, &places, budget, scene)?;
                 meshes.check_joints(mesh, scene.skins[skin.0].joints.len())?;
                 node.skin = Some(skin);
             }
@@ -190,7 +183,9 @@ pub fn read(
             let entry = get(&root.cameras, camera, "camera", &label)?;
             match cameras::camera(entry, (camera, &node.name), world[number], options)? {
                 Some(camera) => {
-                    places.cameras.push(NodeId(number));
+                    scene
+                        .camera_mounts
+                        .push(CameraMount { camera: scene.cameras.len(), node: NodeId(number) });
                     scene.cameras.push(camera);
                 }
                 None => scene

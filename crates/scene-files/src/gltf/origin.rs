@@ -8,11 +8,11 @@ use gnomon_scene::{Interpolation, Keys, Node, NodeId, Scene, rigid};
 use super::nodes::Place;
 use super::schema::{NodeEntry, Root};
 
-/// Moves a scene that is far from its origin. `order` has the places of its first nodes, `carriers` the node of each of its cameras.
+/// Moves a scene that is far from its origin. `order` has the places of its first nodes.
 ///
 /// Nodes keep their transforms below their parents, so that clips and skins mean the same. But groups at the top that nothing moves stand at the
 /// scene's origin, wherever they were, and what they hold moves: large translations cancel here and not in single precision.
-pub fn recenter(root: &Root, order: &[Place], carriers: &[NodeId], scene: &mut Scene) {
+pub fn recenter(root: &Root, order: &[Place], scene: &mut Scene) {
     let origin = scene.suitable_origin();
     if origin == DVec3::ZERO {
         return;
@@ -23,13 +23,13 @@ pub fn recenter(root: &Root, order: &[Place], carriers: &[NodeId], scene: &mut S
     for (place, (_, at)) in order.iter().zip(&mut places) {
         *at = translation(&root.nodes[place.node]);
     }
-    hold_groups(origin, &places, carriers, scene);
+    hold_groups(origin, &places, scene);
     scene.move_origin(origin, &places);
     move_clips(scene);
     let world = scene.world_from_nodes();
-    for (camera, carrier) in scene.cameras.iter_mut().zip(carriers) {
-        if let Some(world_from_camera) = rigid(world[carrier.0]) {
-            camera.world_from_camera = world_from_camera;
+    for mount in &scene.camera_mounts {
+        if let Some(world_from_camera) = rigid(world[mount.node.0]) {
+            scene.cameras[mount.camera].world_from_camera = world_from_camera;
         }
     }
 }
@@ -40,10 +40,11 @@ fn translation(entry: &NodeEntry) -> DVec3 {
 }
 
 /// Gives groups at the top the origin that puts them at the scene's.
-fn hold_groups(origin: DVec3, places: &[(NodeId, DVec3)], carriers: &[NodeId], scene: &mut Scene) {
+fn hold_groups(origin: DVec3, places: &[(NodeId, DVec3)], scene: &mut Scene) {
     let mut held: Vec<bool> = scene.nodes.iter().map(|node| node.meshes.is_empty()).collect();
     let joints = scene.skins.iter().flat_map(|skin| &skin.joints);
-    let carried = carriers.iter().chain(scene.lights.iter().map(|light| &light.node));
+    let carriers = scene.camera_mounts.iter().map(|mount| &mount.node);
+    let carried = carriers.chain(scene.lights.iter().map(|light| &light.node));
     let animated = scene.animated.iter().map(|animated| &animated.node);
     joints.chain(carried).chain(animated).for_each(|node| held[node.0] = false);
     let mut world: Vec<(DMat3, DVec3)> = Vec::with_capacity(places.len());
