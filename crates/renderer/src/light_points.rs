@@ -133,7 +133,7 @@ pub(crate) struct PointsOfLights {
     pub view: wgpu::TextureView,
 }
 
-/// Texels of a row: the points, the number of rays, least and greatest coordinates of the points.
+/// Texels of a row: the points; the number of rays and the solid angle, see `shadow_rays.wgsl`; least and greatest coordinates of the points.
 const ROW: u32 = layout::LIGHT_POINTS + 3;
 
 impl PointsOfLights {
@@ -148,12 +148,13 @@ impl PointsOfLights {
     pub fn write(&self, gpu: &Gpu, lights: &[FrameLight<'_>], usual: u32) {
         let total: f32 = lights.iter().map(FrameLight::flux).sum();
         let row = |light: &FrameLight<'_>| {
-            let points = match light {
-                FrameLight::Distant { points: Some(points), .. } => **points,
-                FrameLight::Distant { light, .. } => of_distant(light, &|_| 1.0),
+            // Of an even light the outline tells all.
+            let (points, solid_angle) = match light {
+                FrameLight::Distant { light, points: Some(points), .. } => (**points, light.solid_angle),
+                FrameLight::Distant { light, .. } => (of_distant(light, &|_| 1.0), 0.0),
                 FrameLight::Near(light) => match distant(light) {
-                    Some(sun) => of_distant(&sun, &|_| 1.0),
-                    None => of_near(light),
+                    Some(sun) => (of_distant(&sun, &|_| 1.0), 0.0),
+                    None => (of_near(light), 0.0),
                 },
             };
             let rays = match light.flux() {
@@ -165,7 +166,7 @@ impl PointsOfLights {
             let on_map = points.map(|at| Vec2::new(at.x, -at.y));
             let least = on_map.into_iter().reduce(Vec2::min).unwrap_or_default();
             let most = on_map.into_iter().reduce(Vec2::max).unwrap_or_default();
-            let texels = on_map.into_iter().chain([Vec2::new(rays as f32, 0.0), least, most]);
+            let texels = on_map.into_iter().chain([Vec2::new(rays as f32, solid_angle), least, most]);
             texels.map(|texel| texel.to_array()).collect::<Vec<_>>()
         };
         let texels: Vec<[f32; 2]> = lights.iter().flat_map(row).collect();

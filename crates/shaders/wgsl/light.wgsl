@@ -25,7 +25,7 @@ fn light(
         sums = load_sums(point);
     }
     for (var light = batch.first_light; light < batch.end_light; light++) {
-        let form_factor = light_form_factor(light, surface.position_world, surface.n);
+        var form_factor = light_form_factor(light, surface.position_world, surface.n);
         if !asks_for(form_factor, relief) {
             continue;
         }
@@ -40,6 +40,10 @@ fn light(
             sums.probed += form_factor;
             sums.probed_open += form_factor * visible;
             continue;
+        }
+        if known_form_factor >= 0.0 {
+            form_factor = known_form_factor;
+            known_form_factor = -1.0;
         }
         let diffuse = radiance * form_factor;
         // Shadowed light alone: the ratio to unshadowed light is then what bumps hide and add.

@@ -7,8 +7,8 @@
 
 // Shadow rays: to points of a light from which as much of its light comes from each, weighted by the cosine. The importer binds `points`.
 
-// A row for every light of the frame: points on the plane that `outline_from` spans, the number of rays to it, and the points' least and
-// greatest coordinates.
+// A row for every light of the frame: points on the plane that `outline_from` spans; the number of rays to it (x) and, where the points tell
+// where its light comes from and its outline does not, its solid angle (y), else 0; the points' least and greatest coordinates.
 @group(GROUP_SHADOW) @binding(3) var light_points: texture_2d<f32>;
 
 // Share of a ray's length that is left free before a light: what it hangs on.
@@ -23,15 +23,41 @@ const LEAST_GATHERED: u32 = 4u;
 // Directions between which rays are gathered reach so far beyond them, as a share of their length, for what arithmetic loses.
 const GATHER_MARGIN: f32 = 1e-5;
 
-// Gathers what rays to a light may meet; false where there is too much of it.
-fn gather_to(origin: vec3f, outline: mat3x3f, offset: vec3f, row: u32, reach: f32) -> bool {
+// Middle and half extent of a light's points.
+struct PointBounds {
+    middle: vec2f,
+    half_extent: vec2f,
+}
+
+fn point_bounds(row: u32) -> PointBounds {
     let low = textureLoad(light_points, vec2u(LIGHT_POINTS + 1u, row), 0).xy;
     let high = textureLoad(light_points, vec2u(LIGHT_POINTS + 2u, row), 0).xy;
-    let middle = outline * vec3f(1.0, 0.5 * (low + high)) + offset;
-    let extent = 0.5 * (high - low);
+    return PointBounds(0.5 * (low + high), 0.5 * (high - low));
+}
+
+// Gathers what rays to a light may meet; false where there is too much of it.
+fn gather_to(origin: vec3f, outline: mat3x3f, bounds: PointBounds, offset: vec3f, reach: f32) -> bool {
+    let middle = outline * vec3f(1.0, bounds.middle) + offset;
     let margin = GATHER_MARGIN * length(middle);
-    let across = abs(outline[1]) * extent.x + abs(outline[2]) * extent.y + margin;
+    let across = abs(outline[1]) * bounds.half_extent.x + abs(outline[2]) * bounds.half_extent.y + margin;
     return gather(origin, not_zero(middle - across), not_zero(middle + across), reach);
+}
+
+// Form factor of a distant light that the horizon of `n` cuts, by all of its points; below 0 of others: where the whole light is up, its mean
+// direction tells the same.
+fn form_factor_by_points(outline: mat3x3f, bounds: PointBounds, n: vec3f, row: u32, solid_angle: f32) -> f32 {
+    let heights = n * outline;
+    let middle = dot(heights, vec3f(1.0, bounds.middle));
+    let reach = dot(abs(heights.yz), bounds.half_extent);
+    if solid_angle == 0.0 || abs(middle) >= reach {
+        return -1.0;
+    }
+    var sum = 0.0;
+    for (var i = 0u; i < LIGHT_POINTS; i++) {
+        let direction = outline * vec3f(1.0, textureLoad(light_points, vec2u(i, row), 0).xy);
+        sum += max(dot(n, direction), 0.0) * inverseSqrt(dot(direction, direction));
+    }
+    return solid_angle * sum / f32(LIGHT_POINTS);
 }
 
 fn not_zero(direction: vec3f) -> vec3f {
@@ -44,7 +70,10 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let is_distant = lights[light].kind == KIND_DISTANT;
     let reach = select(1.0 - END_CLEARANCE, 3.4e38, is_distant);
     let row = lights[light].number;
-    let rays = u32(textureLoad(light_points, vec2u(LIGHT_POINTS, row), 0).x);
+    let known = textureLoad(light_points, vec2u(LIGHT_POINTS, row), 0).xy;
+    let rays = u32(known.x);
+    let bounds = point_bounds(row);
+    known_form_factor = form_factor_by_points(outline, bounds, n, row, known.y);
     // Neighbours take other points of a light, and lights do so in other orders.
     let sample = points[point].sample;
     let pixel = unpack_place(sample) / view.supersample;
@@ -57,7 +86,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let least_penumbra = LEAST_PENUMBRA * f32(view.point_lists[0].sampling) * sample_extent_at(position_world);
     // To the same places of a light that is not distant: a ray that ends behind them meets what the light hangs on.
     let offset = select(position_world - origin, vec3f(0.0), is_distant);
-    let is_gathered = rays >= LEAST_GATHERED && gather_to(origin, outline, offset, row, reach);
+    let is_gathered = rays >= LEAST_GATHERED && gather_to(origin, outline, bounds, offset, reach);
     for (var i = 0u; i < rays; i++) {
         let place = textureLoad(light_points, vec2u((first + i) % LIGHT_POINTS, row), 0).xy;
         var direction = outline * vec3f(1.0, place);
