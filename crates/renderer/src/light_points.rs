@@ -157,10 +157,12 @@ impl PointsOfLights {
                     None => (of_near(light), 0.0),
                 },
             };
-            let rays = match light.flux() {
-                // Of a light of the scene, or one that only tells how much of the sky is open, nobody knows what it is worth.
-                0.0 => ray_count(1.0, 1, usual),
-                flux => ray_count(flux / total.max(f32::MIN_POSITIVE), lights.len(), usual),
+            let rays = match (light, light.flux()) {
+                // A light of the scene may outshine all others where it is near, and its grain is averaged over nothing.
+                (FrameLight::Near(_), _) => ray_count(f32::MAX, 1, usual),
+                // One that only tells how much of the sky is open.
+                (_, 0.0) => ray_count(1.0, 1, usual),
+                (_, flux) => ray_count(flux / total.max(f32::MIN_POSITIVE), lights.len(), usual),
             };
             // Rows of maps run against the bitangent.
             let on_map = points.map(|at| Vec2::new(at.x, -at.y));
