@@ -103,6 +103,12 @@ pub(crate) struct MovedGeometry {
     data: PoseData,
 }
 
+impl MovedGeometry {
+    pub fn placed_boxes(&self) -> &PlacedBoxes {
+        &self.placed_boxes
+    }
+}
+
 /// What of an instance a new pose keeps.
 struct Kept {
     mesh: Arc<Mesh>,

@@ -16,7 +16,7 @@ use crate::materials::{MaterialRecords, Materials};
 use crate::radiance_cache::RadianceCache;
 use crate::ray_scene::{self, RayScene};
 use crate::settings::{Chosen, in_range};
-use crate::{Gpu, RenderError, RenderSettings};
+use crate::{Gpu, RenderError, RenderSettings, shadow};
 
 /// What a renderer is to take over, all of it or nothing ([`Renderer::change`]). What is `None` stays as it is.
 #[derive(Default)]
@@ -176,7 +176,13 @@ impl Renderer {
             _ => (&self.geometry, false),
         };
         let in_force = is.lit.as_ref().map(|lit| &lit.lighting);
-        let technique = lighting.as_ref().or(in_force).map(|l| self.technique(&chosen, l, geometry));
+        let placed_boxes = match &scene.geometry {
+            Some(NextGeometry::Moved(moved)) => moved.placed_boxes(),
+            _ => &geometry.placed_boxes,
+        };
+        let lamps_are_wide = shadow::lamps_are_wide(near_lights, placed_boxes.around);
+        let technique =
+            lighting.as_ref().or(in_force).map(|l| self.technique(&chosen, l, geometry, lamps_are_wide));
         let casts = technique.is_some_and(|technique| technique.casts_shadows());
         let suits = casts && ray_scene::has_room_for(gpu, geometry);
         // Lights that stand for themselves are what is reflected.

@@ -139,16 +139,17 @@ impl Renderer {
         Ok(lit)
     }
 
-    /// How shadows of these lights are found in a geometry.
+    /// How shadows of these lights, `lamps_are_wide` or not, are found in a geometry.
     pub(super) fn technique(
         &self,
         chosen: &Chosen,
         lighting: &Lighting,
         geometry: &Geometry,
+        lamps_are_wide: bool,
     ) -> &'static dyn ShadowTechnique {
-        let Techniques { usual, interior } = chosen.shadows;
-        let has_room = !interior.traces_rays() || ray_scene::has_room_for(&self.gpu, geometry);
-        if lighting.omits_hidden && has_room { interior } else { usual }
+        let Techniques { usual, wide } = chosen.shadows;
+        let has_room = !wide.traces_rays() || ray_scene::has_room_for(&self.gpu, geometry);
+        if (lighting.omits_hidden || lamps_are_wide) && has_room { wide } else { usual }
     }
 
     /// The same scene, environment and settings at the target's points.

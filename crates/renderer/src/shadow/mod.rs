@@ -22,8 +22,11 @@ pub(crate) mod technique;
 mod wedges;
 mod windows;
 
+use std::f32::consts::PI;
+
 use buffered::Buffered;
 use gnomon_options::{Choice, choices, settings};
+use gnomon_scene::{AreaLightShape, Bounds, PlacedLight};
 use technique::ShadowTechnique;
 
 use crate::{Gpu, RenderError};
@@ -92,7 +95,8 @@ const TECHNIQUES: [&dyn ShadowTechnique; 12] = [
 static BUFFERED: [Buffered; TECHNIQUES.len()] = Buffered::all(TECHNIQUES);
 
 /// The name of the choice that takes techniques by what they are for.
-const AUTO: (&str, &str) = ("auto", "percentage-closer soft shadows; in an interior shadow rays");
+const AUTO: (&str, &str) =
+    ("auto", "percentage-closer soft shadows; in an interior and under wide lamps shadow rays");
 
 /// Name and one-line summary of every technique.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -108,8 +112,26 @@ pub(crate) fn choices() -> Vec<Choice> {
 #[derive(Clone, Copy)]
 pub(crate) struct Techniques {
     pub usual: &'static dyn ShadowTechnique,
-    /// Where lights stand for what comes into an interior, and the adapter has room for what it needs.
-    pub interior: &'static dyn ShadowTechnique,
+    /// Where lights stand for what comes into an interior, or lamps are wide, and the adapter has room for what it needs.
+    pub wide: &'static dyn ShadowTechnique,
+}
+
+/// Lamps that together fill so much [sr] of what is seen from the scene's middle are wide: a map from their middles does not tell which of their
+/// parts near blockers hide. A square of ten degrees.
+const WIDE_LAMPS: f32 = 0.03;
+
+/// Whether lamps are wide in a scene with such a box around it.
+pub(crate) fn lamps_are_wide(lamps: &[PlacedLight], around: Option<Bounds>) -> bool {
+    let Some(around) = around else { return false };
+    let middle = 0.5 * (around.min + around.max);
+    let filled = |lamp: &PlacedLight| match lamp.shape {
+        AreaLightShape::Sun { .. } => 0.0,
+        AreaLightShape::Rectangle { size } => size.element_product() / lamp.center.distance_squared(middle),
+        AreaLightShape::Disk { radius } | AreaLightShape::Sphere { radius } => {
+            PI * radius * radius / lamp.center.distance_squared(middle)
+        }
+    };
+    lamps.iter().map(filled).sum::<f32>() >= WIDE_LAMPS
 }
 
 /// The technique called `name`.
@@ -131,8 +153,8 @@ pub(crate) fn by_name(name: &str, path: VisibilityPath) -> Result<Techniques, Re
             _ => inline,
         })
     };
-    let [usual, interior] = if name == AUTO.0 { ["pcss", "rays"] } else { [name, name] };
-    Ok(Techniques { usual: choice(usual)?, interior: choice(interior)? })
+    let [usual, wide] = if name == AUTO.0 { ["pcss", "rays"] } else { [name, name] };
+    Ok(Techniques { usual: choice(usual)?, wide: choice(wide)? })
 }
 
 /// The same, where the device has what they need.
@@ -141,7 +163,7 @@ pub(crate) fn by_name(name: &str, path: VisibilityPath) -> Result<Techniques, Re
 /// As [`by_name`], and [`RenderError::NeedsFeature`].
 pub(crate) fn usable(gpu: &Gpu, name: &str, path: VisibilityPath) -> Result<Techniques, RenderError> {
     let techniques = by_name(name, path)?;
-    for technique in [techniques.usual, techniques.interior] {
+    for technique in [techniques.usual, techniques.wide] {
         gpu.require(technique.name(), technique.needed_features())?;
     }
     Ok(techniques)

@@ -322,10 +322,10 @@ fn a_glowing_panel_lights_as_ray_traced() {
     };
     let dark = error("rays", &seen_alone);
     println!("panel: without its light {dark:.4}");
-    for (shadows, _) in shadow::names() {
+    for (shadows, _) in shadow::names().chain([("auto", "")]) {
         let lit = error(shadows, &scene);
         println!("panel {shadows}: {lit:.4}");
-        if ["rays", "wedges"].contains(&shadows) {
+        if ["auto", "rays", "wedges"].contains(&shadows) {
             assert!(lit <= tolerances::LAMP_RELATIVE_RMSE, "{shadows}: {lit}");
         }
         // None takes the panel for what blocks its own light, so near to what it lights as it is.
