@@ -301,7 +301,8 @@ fn a_glowing_panel_lights_as_ray_traced() {
     scene.nodes[node.0].parent_from_node = place * Affine3A::from_rotation_x(-0.5 * PI);
     let seen_alone = scene.clone();
     scene.light_emission();
-    assert_eq!(scene.placed_lights().len(), 1);
+    // It is wide for what is so near.
+    assert!(scene.placed_lights().len() > 1);
     let towards = (Vec3::new(0.0, 0.3, 0.0) - Vec3::new(-1.3, 1.5, 0.9)).normalize();
     assert!(scene.placed_lights()[0].normal.dot(towards) > 0.999, "{:?}", scene.placed_lights());
     let camera = &scene.cameras[0];
@@ -325,7 +326,7 @@ fn a_glowing_panel_lights_as_ray_traced() {
     for (shadows, _) in shadow::names() {
         let lit = error(shadows, &scene);
         println!("panel {shadows}: {lit:.4}");
-        if ["rays", "wedges"].contains(&shadows) {
+        if ["rays", "wedges", "pcss"].contains(&shadows) {
             assert!(lit <= tolerances::LAMP_RELATIVE_RMSE, "{shadows}: {lit}");
         }
         // None takes the panel for what blocks its own light, so near to what it lights as it is.
