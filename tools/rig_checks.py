@@ -210,7 +210,7 @@ def main():
         lights, whole = read(folder / f"{name}_lights.exr"), read(folder / "whole.exr")
         if mask is None:
             # What the camera sees behind the scene is another matter.
-            run(arguments.gnomon, *truth, "--env", arguments.env, "--background", "false", "-o", folder / "bare.exr")
+            run(arguments.gnomon, *truth, "--env", arguments.env, "--background", "none", "-o", folder / "bare.exr")
             mask = inside(read(folder / "bare.exr").sum(axis=2) > 0)
         print(f"{name}: {error(shown, lights, mask):.4f} against the same lights, {error(shown, whole, mask):.4f} against the map;"
               f" the lights themselves {error(lights, whole, mask):.4f}")

@@ -7,7 +7,7 @@ mod layers;
 mod look;
 mod sequence;
 
-pub use environment::{environment_help, load_environment};
+pub use environment::{GivenEnvironment, environment_help, load_environment};
 pub use gpu::GpuArgs;
 pub use inputs::{InputArgs, stage};
 pub use layers::LayerArgs;

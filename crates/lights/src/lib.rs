@@ -2,6 +2,7 @@
 //!
 //! [`fit`] holds the fits; each gives a [`LightSet`]: uniform [`DistantLight`]s plus the residual map.
 
+mod clamp;
 mod document;
 pub mod fit;
 pub mod form_factor;
@@ -9,6 +10,7 @@ mod light;
 mod light_set;
 mod preview;
 
+pub use clamp::clamped;
 pub use document::{DerivedEntry, DocumentError, LightDocument, LightEntry, ShapeEntry};
 pub use fit::{FitError, FitOptions, LightFit};
 pub use light::{DistantLight, LightShape};

@@ -21,6 +21,9 @@ pub struct LightSet {
     pub omits_hidden: bool,
     /// Whether they are no fit's, so that lights and residual are what lights: unshadowed light and reflections are theirs, too.
     pub stands_alone: bool,
+    /// So many of the lights, the last ones, hold light that was taken out of the map before ([`crate::clamped`]): mirrors do not find them in
+    /// there.
+    pub taken_out: usize,
 }
 
 /// Shares of the map's luminous flux, each in `[0, 1]`; all zero for a black map.
@@ -35,7 +38,15 @@ pub struct FluxShares {
 impl LightSet {
     /// A set without recorded parameters, for lights that no fit made.
     pub fn new(method: &'static str, lights: Vec<DistantLight>, residual: Equirect) -> Self {
-        Self { method, parameters: Map::new(), lights, residual, omits_hidden: false, stands_alone: false }
+        Self {
+            method,
+            parameters: Map::new(),
+            lights,
+            residual,
+            omits_hidden: false,
+            stands_alone: false,
+            taken_out: 0,
+        }
     }
 
     /// Lights that hold all of `map`'s flux, so that what is left of it is black.
@@ -46,7 +57,7 @@ impl LightSet {
         map: &Equirect,
     ) -> Self {
         let residual = Equirect::new(RgbImage::filled(map.width(), map.height(), Vec3::ZERO));
-        Self { method, parameters, lights, residual, omits_hidden: false, stands_alone: false }
+        Self { method, parameters, lights, residual, omits_hidden: false, stands_alone: false, taken_out: 0 }
     }
 
     /// Flux [radiance x sr] of all lights together, channel by channel.
@@ -85,6 +96,7 @@ impl LightSet {
             residual: self.residual.rotated(yaw),
             omits_hidden: self.omits_hidden,
             stands_alone: self.stands_alone,
+            taken_out: self.taken_out,
         }
     }
 }

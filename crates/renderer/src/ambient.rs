@@ -72,6 +72,8 @@ pub(crate) struct AmbientLights {
     /// Both of the set.
     pub omits_hidden: bool,
     pub stands_alone: bool,
+    /// Of the set.
+    pub taken_out: usize,
 }
 
 impl Ambient {
@@ -109,7 +111,7 @@ impl Ambient {
                 }
             }
         }
-        let LightSet { omits_hidden, stands_alone, .. } = *set;
-        Ok(AmbientLights { lights, of_fit, probes, residual, omits_hidden, stands_alone })
+        let LightSet { omits_hidden, stands_alone, taken_out, .. } = *set;
+        Ok(AmbientLights { lights, of_fit, probes, residual, omits_hidden, stands_alone, taken_out })
     }
 }

@@ -6,6 +6,7 @@ use gnomon_picture::exr::{Channel, Samples};
 use gnomon_shaders::layout;
 
 use crate::RenderError;
+use crate::cryptomatte::{self, Labels};
 
 choices! {
     /// A layer of a picture.
@@ -30,6 +31,10 @@ choices! {
         Object = "object",
         /// Number of the material plus 1, the default material last; 0 behind the scene.
         Material = "material",
+        /// Shares of each pixel by the scene's nodes, for Cryptomatte: hashes of their names, six at most.
+        CryptoObject = "crypto-object",
+        /// The same by materials.
+        CryptoMaterial = "crypto-material",
         /// Share of each pixel that shows the scene.
         Alpha = "alpha",
         /// Share of the light on matte surfaces that shadows leave; 1 behind the scene.
@@ -48,6 +53,8 @@ choices! {
 pub(crate) enum LayerSource {
     /// What is seen, a LAYER constant.
     Seen(u32),
+    /// The same through several places of each pixel, for mattes.
+    Matte(u32),
     /// What is composed, a PART constant.
     Composed(u32),
     /// The same under the light of one group.
@@ -98,6 +105,8 @@ impl Layer {
             Self::Motion => LayerSource::Seen(layout::LAYER_MOTION),
             Self::Object => LayerSource::Seen(layout::LAYER_OBJECT),
             Self::Material => LayerSource::Seen(layout::LAYER_MATERIAL),
+            Self::CryptoObject => LayerSource::Matte(layout::LAYER_OBJECT),
+            Self::CryptoMaterial => LayerSource::Matte(layout::LAYER_MATERIAL),
             Self::Alpha => LayerSource::Composed(layout::PART_ALPHA),
             Self::Albedo => LayerSource::Composed(layout::PART_ALBEDO),
             Self::Shadow => LayerSource::Composed(layout::PART_SHADOW),
@@ -119,11 +128,22 @@ impl Layer {
             Self::Motion => &["motion.X", "motion.Y"],
             Self::Object => &["object.X"],
             Self::Material => &["material.X"],
+            Self::CryptoObject => cryptomatte::OBJECT_CHANNELS,
+            Self::CryptoMaterial => cryptomatte::MATERIAL_CHANNELS,
             Self::Alpha => &["A"],
             Self::Shadow => &["shadow.R", "shadow.G", "shadow.B"],
             Self::Diffuse => &["diffuse.R", "diffuse.G", "diffuse.B"],
             Self::Specular => &["specular.R", "specular.G", "specular.B"],
             Self::Lights => &[],
+        }
+    }
+
+    /// What its mattes are of.
+    pub(crate) fn names(self, labels: &Labels) -> Option<&[String]> {
+        match self {
+            Self::CryptoObject => Some(&labels.objects),
+            Self::CryptoMaterial => Some(&labels.materials),
+            _ => None,
         }
     }
 
@@ -173,6 +193,7 @@ impl RenderedLayers {
         let about = |layer: &RenderedLayer| (format!("gnomon.{}", layer.layer.name()), layer.layer.summary());
         let mut attributes: Vec<_> = self.layers.iter().map(about).collect();
         attributes.dedup();
+        attributes.extend(self.layers.iter().flat_map(|layer| layer.attributes.iter().cloned()));
         (channels, attributes)
     }
 
@@ -189,6 +210,8 @@ pub struct RenderedLayer {
     pub layer: Layer,
     /// Names of its channels in OpenEXR files.
     pub channels: Vec<String>,
+    /// Texts of an OpenEXR file's header that it needs, by their names.
+    pub attributes: Vec<(String, String)>,
     /// Of `size[1]` rows from the top, of `size[0]` pixels from the left, of each channel.
     pub values: LayerValues,
 }
@@ -220,9 +243,12 @@ impl RenderedLayer {
     }
 
     /// Without any pixel yet; `name` is that of one of several.
-    pub(crate) fn empty(layer: Layer, name: Option<&str>) -> Self {
+    pub(crate) fn empty(layer: Layer, name: Option<&str>, labels: &Labels) -> Self {
         Self {
             layer,
+            attributes: layer
+                .names(labels)
+                .map_or(Vec::new(), |names| cryptomatte::attributes(layer.channels(), names)),
             channels: match name {
                 Some(name) => ["R", "G", "B"].iter().map(|channel| format!("{name}.{channel}")).collect(),
                 None => layer.channels().iter().map(|&name| name.to_owned()).collect(),
@@ -231,6 +257,15 @@ impl RenderedLayer {
                 true => LayerValues::Labels(Vec::new()),
                 false => LayerValues::Floats(Vec::new()),
             },
+        }
+    }
+
+    /// Adds pixels of a matte, of which several samples were drawn, four words each.
+    pub(crate) fn extend_matte(&mut self, samples: &[&[[u32; 4]]], labels: &Labels) {
+        let label = |words: &[u32; 4]| words[0];
+        let samples: Vec<Vec<u32>> = samples.iter().map(|words| words.iter().map(label).collect()).collect();
+        if let (Some(names), LayerValues::Floats(floats)) = (self.layer.names(labels), &mut self.values) {
+            floats.extend(cryptomatte::mattes(&samples, names));
         }
     }
 

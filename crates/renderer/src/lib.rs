@@ -13,6 +13,7 @@ mod camera;
 mod casters;
 mod compose;
 pub mod composite;
+mod cryptomatte;
 pub mod debug_view;
 mod deformation;
 mod error;

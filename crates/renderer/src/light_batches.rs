@@ -110,7 +110,7 @@ impl LightBatches {
         let BatchContext { gpu, shared, technique, settings, view, ray_scene, bumps } = *context;
         let shadow_settings = &settings.shadow_settings;
         // What is decided by the lights' sizes does not change as the environment turns.
-        let mut all = frame_lights(lighting.fitted(), &lighting.points, near_lights);
+        let mut all = frame_lights(lighting.fitted(), lighting, near_lights);
         let total_flux = all.iter().map(FrameLight::flux).sum();
         let sliced: Vec<usize> = (0..all.len())
             .filter(|&place| technique.has_sharp_maps() && all[place].is_sharp(total_flux))
@@ -274,7 +274,7 @@ impl LightBatches {
         }
         self.slices = slices;
         self.groups = groups.to_vec();
-        let mut all = frame_lights([&lighting.lights, &lighting.probes], &lighting.points, near_lights);
+        let mut all = frame_lights([&lighting.lights, &lighting.probes], lighting, near_lights);
         let unsliced = all.len();
         add_slices(&mut all, &self.sliced, self.slice_count);
         for batch in &mut self.batches {

@@ -14,6 +14,7 @@ use crate::casters::{Casters, DrawnCasters};
 use crate::geometry::Geometry;
 use crate::light_frame::{footprint, hidden_deviation, light_uniform};
 use crate::light_points::{self, LightPoints};
+use crate::lighting::Lighting;
 use crate::near_light_frame::near_light_uniform;
 use crate::shading_points::samplings;
 use crate::shadow::technique::ShadowTechnique;
@@ -33,16 +34,19 @@ pub(crate) enum FrameLight<'a> {
     Near(&'a PlacedLight),
 }
 
-/// All lights in the order of the frame's list. `points` are those of the first ones.
+/// All lights in the order of the frame's list, those of the lighting as they are turned.
 pub(crate) fn frame_lights<'a>(
     [lights, probes]: [&'a [DistantLight]; 2],
-    points: &'a [LightPoints],
+    lighting: &'a Lighting,
     near: &'a [PlacedLight],
 ) -> Vec<FrameLight<'a>> {
-    let with = |role| move |(light, points)| FrameLight::Distant { light, role, slice: None, points };
-    let points = points.iter().map(Some).chain(std::iter::repeat(None));
-    let lights = lights.iter().zip(points).map(with(layout::ROLE_LIGHT));
-    let probes = probes.iter().zip(std::iter::repeat(None)).map(with(layout::ROLE_PROBE));
+    let distant = |light, role, points| FrameLight::Distant { light, role, slice: None, points };
+    let taken_out = lighting.taken_out();
+    let role = |place| if taken_out.contains(&place) { layout::ROLE_TAKEN_OUT } else { layout::ROLE_LIGHT };
+    let points = lighting.points.iter().map(Some).chain(std::iter::repeat(None));
+    let lights = lights.iter().zip(points).enumerate();
+    let lights = lights.map(|(place, (light, points))| distant(light, role(place), points));
+    let probes = probes.iter().map(|probe| distant(probe, layout::ROLE_PROBE, None));
     lights.chain(probes).chain(near.iter().map(FrameLight::Near)).collect()
 }
 
@@ -50,7 +54,7 @@ impl FrameLight<'_> {
     /// Flux of a light of the environment, in luminance.
     pub fn flux(&self) -> f32 {
         match self {
-            Self::Distant { light, role: layout::ROLE_LIGHT, .. } => {
+            Self::Distant { light, role: layout::ROLE_LIGHT | layout::ROLE_TAKEN_OUT, .. } => {
                 light.radiance.dot(LUMINANCE) * light.solid_angle
             }
             _ => 0.0,
@@ -60,7 +64,7 @@ impl FrameLight<'_> {
     /// Whether its shadows are sharp and its maps may therefore be larger.
     pub fn is_sharp(&self, total_flux: f32) -> bool {
         match self {
-            Self::Distant { light, role: layout::ROLE_LIGHT, .. } => {
+            Self::Distant { light, role: layout::ROLE_LIGHT | layout::ROLE_TAKEN_OUT, .. } => {
                 is_sharp(footprint(light), self.flux() / total_flux.max(f32::MIN_POSITIVE))
             }
             _ => false,
@@ -226,6 +230,9 @@ pub(crate) fn sum_scales<'a>(lights: impl Iterator<Item = &'a layout::Light>) ->
         match (light.kind, light.role) {
             (layout::KIND_DISTANT, layout::ROLE_LIGHT) => {
                 Vec3::new(radiance * light.solid_angle, radiance, 0.0)
+            }
+            (layout::KIND_DISTANT, layout::ROLE_TAKEN_OUT) => {
+                Vec3::new(radiance * light.solid_angle, 0.0, PI * radiance)
             }
             (layout::KIND_DISTANT, layout::ROLE_PROBE) => Vec3::ZERO,
             _ => Vec3::new(0.0, 0.0, PI * radiance),

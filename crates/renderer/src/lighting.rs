@@ -1,3 +1,4 @@
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{Quat, Vec3, Vec4};
@@ -28,6 +29,7 @@ pub struct PreparedLighting {
     residual: Equirect,
     omits_hidden: bool,
     stands_alone: bool,
+    taken_out: usize,
     points: Arc<[LightPoints]>,
     map: Arc<Equirect>,
     peak: f32,
@@ -70,6 +72,7 @@ impl PreparedLighting {
             residual: ambient.residual,
             omits_hidden: ambient.omits_hidden,
             stands_alone: ambient.stands_alone,
+            taken_out: ambient.taken_out,
             seen: None,
             points: of_cells,
             map: Arc::new(light_points::source(map)),
@@ -77,6 +80,13 @@ impl PreparedLighting {
             of_fit: ambient.of_fit,
             probes: ambient.probes,
         })
+    }
+
+    /// The same with a map that mirrors show in place of the whole one: what the last lights of the set hold is taken out of it
+    /// ([`LightSet::taken_out`]).
+    #[must_use]
+    pub fn with_mirrored(self, map: &Equirect) -> Self {
+        Self { background: mip_levels(map), prefiltered_full: prefiltered(map), ..self }
     }
 
     /// The same with another map behind the scene, which lights nothing.
@@ -105,6 +115,8 @@ pub(crate) struct Lighting {
     pub lights: Vec<DistantLight>,
     /// So many of them are the fit's; the others are its ambient rest.
     pub of_fit: usize,
+    /// So many of these, the last ones, are not in the map that is mirrored.
+    taken_out: usize,
     /// Lights that only tell how much of the sky is open, as the environment is turned.
     pub probes: Vec<DistantLight>,
     /// Lights and probes in the environment's own frame.
@@ -162,6 +174,7 @@ impl Lighting {
         Ok(Self {
             lights: prepared.lights.clone(),
             of_fit: prepared.of_fit,
+            taken_out: prepared.taken_out,
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
             omits_hidden: prepared.omits_hidden,
@@ -189,6 +202,7 @@ impl Lighting {
             points: points_of_cells(&ambient, &self.map),
             lights: ambient.lights.clone(),
             of_fit: ambient.of_fit,
+            taken_out: ambient.taken_out,
             probes: ambient.probes.clone(),
             fitted: [ambient.lights, ambient.probes],
             omits_hidden: ambient.omits_hidden,
@@ -225,6 +239,11 @@ impl Lighting {
             true => sky_samples::of_lights(lights, &self.points),
             false => sky_samples::of_map(&self.map),
         }
+    }
+
+    /// The places of lights that the map which is mirrored does not show.
+    pub fn taken_out(&self) -> Range<usize> {
+        self.of_fit - self.taken_out..self.of_fit
     }
 
     /// Lights and probes in the environment's own frame: what is decided by their sizes does not change as it turns.

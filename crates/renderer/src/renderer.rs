@@ -1,5 +1,6 @@
-use glam::Quat;
+use std::sync::Arc;
 
+use glam::Quat;
 use gnomon_brdf::Surface;
 use gnomon_picture::RgbImage;
 use gnomon_scene::{PlacedFade, PlacedLight, Scene};
@@ -7,6 +8,7 @@ use gnomon_shaders::layout;
 
 use crate::bumps::{MaterialHeights, Relief, ReliefPass};
 use crate::compose::Composed;
+use crate::cryptomatte::Labels;
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::geometry::{Geometry, TransformPass};
 use crate::light_pass;
@@ -77,6 +79,8 @@ pub struct Renderer {
     debug: Option<debug::Debug>,
     /// Made for the first layers.
     seen: Option<SeenPass>,
+    /// Names of the scene's nodes and materials.
+    labels: Arc<Labels>,
     /// Of each light by its place, which layer it is part of.
     light_groups: Vec<u32>,
     /// Whether light is summed in floats.
@@ -175,6 +179,7 @@ impl Renderer {
             slice_count: 1,
             debug: None,
             seen: None,
+            labels: Arc::default(),
             light_groups: Vec::new(),
             has_wide_sums: false,
             before: None,

@@ -1,5 +1,7 @@
 //! Emitting surfaces as area lights: flat ones become rectangles and disks that light the scene.
 
+mod cells;
+
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -7,6 +9,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use gnomon_options::choices;
 
+use self::cells::{Cell, Picture};
 use crate::parts::{first_vertices, root_of};
 use crate::{
     AreaLight, AreaLightShape, Instance, MaterialId, Mesh, MeshId, Node, NodeId, Scene, Spread,
@@ -16,15 +19,22 @@ use crate::{
 choices! {
     /// What becomes of surfaces that emit light.
     pub enum Emission {
-        /// Flat ones light the scene, as rectangles or disks of their mean radiance; others are seen.
+        /// Flat ones light the scene, as rectangles and disks that have their picture; others are seen.
         Lights = "lights",
         /// They are seen, and reflected, but light nothing else.
         Seen = "seen",
     }
 }
 
-/// Most lights that surfaces become. A mesh with more parts, such as a curved one, is only seen.
-const MOST_LIGHTS: usize = 32;
+/// Most flat parts, each side of one counted, that light the scene. A mesh with more, such as a curved one, is only seen.
+const MOST_PARTS: usize = 32;
+
+/// Most lights that all parts become, and one of them.
+const MOST_LIGHTS: usize = 64;
+const MOST_CELLS: usize = 16;
+
+/// A part of more triangles has no picture: each place of it would ask all of them.
+const PICTURED_TRIANGLES: usize = 1024;
 
 /// Cosine between neighbouring triangles of one part, and distance of its vertices from its plane as a share of its extent.
 const SAME_PLANE: f32 = 0.9999;
@@ -45,17 +55,54 @@ const SAMPLES: usize = 4;
 
 /// A flat part of an emitting mesh, in world space.
 struct Flat {
-    /// Width and height along x and y, front along -z, around its middle.
+    /// Width and height along x and y, front along -z, around its middle, in the surface.
     world_from_light: Affine3A,
     shape: AreaLightShape,
     radiance: Vec3,
+    /// Of the rectangle around it, where it has one.
+    picture: Option<Picture>,
+    double_sided: bool,
+}
+
+impl Flat {
+    fn sides(&self) -> usize {
+        if self.double_sided { 2 } else { 1 }
+    }
+
+    /// Its lights: at most so many of a side.
+    fn lights(&self, most: usize) -> Vec<(Affine3A, AreaLightShape, Vec3)> {
+        let cells = self.picture.as_ref().map(|picture| picture.cells(most));
+        let Some(cells) = cells.filter(|cells| cells.len() > 1) else {
+            return self.on_sides(self.world_from_light, self.shape, self.radiance);
+        };
+        let size = 2.0 * self.shape.half_extent();
+        let light = |cell: &Cell| {
+            let place = size * (0.5 * (cell.min + cell.max) - 0.5);
+            let world_from_light = self.world_from_light * Affine3A::from_translation(place.extend(0.0));
+            let shape = AreaLightShape::Rectangle { size: size * (cell.max - cell.min) };
+            self.on_sides(world_from_light, shape, cell.radiance)
+        };
+        let shining = cells.iter().filter(|cell| cell.radiance.max_element() > 0.0);
+        shining.flat_map(light).collect()
+    }
+
+    fn on_sides(
+        &self,
+        world_from_light: Affine3A,
+        shape: AreaLightShape,
+        radiance: Vec3,
+    ) -> Vec<(Affine3A, AreaLightShape, Vec3)> {
+        let before = Affine3A::from_translation(-2.0 * BEFORE * shape.half_extent().min_element() * Vec3::Z);
+        let turns = [Affine3A::IDENTITY, Affine3A::from_rotation_y(PI)].into_iter().take(self.sides());
+        turns.map(|turn| (world_from_light * turn * before, shape, radiance)).collect()
+    }
 }
 
 impl Scene {
-    /// Gives flat emitting surfaces lights, at rest; their materials no longer show in reflections, where the lights do. One that is seen from
+    /// Gives flat emitting surfaces lights, at rest: of what has a picture several. Their materials no longer show in reflections, where the lights do. One that is seen from
     /// both sides lights both.
     pub fn light_emission(&mut self) {
-        let mut left = MOST_LIGHTS;
+        let mut left = MOST_PARTS;
         let mut placed = Vec::new();
         let mut by_mesh: BTreeMap<usize, bool> = BTreeMap::new();
         for instance in self.instances() {
@@ -64,21 +111,23 @@ impl Scene {
                 continue;
             }
             // All copies of a mesh, or none: they share its material.
-            let parts = self.flat_parts(&instance).filter(|parts| parts.len() <= left);
+            let sides = |parts: &[Flat]| parts.iter().map(Flat::sides).sum::<usize>();
+            let parts = self.flat_parts(&instance).filter(|parts| sides(parts) <= left);
             let Some(parts) = parts.filter(|_| by_mesh.get(&instance.mesh.0) != Some(&false)) else {
                 by_mesh.insert(instance.mesh.0, false);
                 continue;
             };
-            left -= parts.len();
+            left -= sides(&parts);
             by_mesh.insert(instance.mesh.0, true);
             placed.push((instance, parts));
         }
         let world = self.world_from_nodes();
+        let most = (MOST_LIGHTS / (MOST_PARTS - left).max(1)).clamp(1, MOST_CELLS);
         for (instance, parts) in placed {
             if by_mesh.get(&instance.mesh.0) != Some(&true) {
                 continue;
             }
-            for Flat { world_from_light, shape, radiance } in parts {
+            for (world_from_light, shape, radiance) in parts.iter().flat_map(|flat| flat.lights(most)) {
                 let light_node = Node {
                     name: "emission".to_owned(),
                     parent: Some(instance.node),
@@ -103,12 +152,8 @@ impl Scene {
         let mesh = &self.meshes[instance.mesh.0];
         let double_sided = self.material(instance.mesh).double_sided;
         let mut flats = Vec::new();
-        for triangles in coplanar_parts(mesh, MOST_LIGHTS)? {
-            flats.push(self.flat(instance, &triangles)?);
-            if double_sided && let Some(front) = flats.last() {
-                let turned = front.world_from_light * Affine3A::from_rotation_y(PI);
-                flats.push(Flat { world_from_light: turned, ..*front });
-            }
+        for triangles in coplanar_parts(mesh, MOST_PARTS)? {
+            flats.push(Flat { double_sided, ..self.flat(instance, &triangles)? });
         }
         flats.retain(|flat| flat.radiance.max_element() > 0.0);
         (!flats.is_empty()).then_some(flats)
@@ -138,17 +183,49 @@ impl Scene {
             true => AreaLightShape::Disk { radius: (area / PI).sqrt() },
             false => AreaLightShape::Rectangle { size: rectangle },
         };
-        let before = middle + BEFORE * rectangle.min_element() * normal;
-        let emitted: Vec3 =
-            triangles.iter().map(|triangle| self.emitted(instance, *triangle, corners_of(triangle))).sum();
+        let local = |place: Vec3| {
+            let place = place - middle;
+            0.5 + Vec2::new(place.dot(axes[0]), place.dot(axes[1])) / rectangle
+        };
+        let corners = |triangle: &usize| (*triangle, corners_of(triangle).map(local));
+        let placed: Vec<_> = triangles.iter().map(corners).collect();
+        let material = self.material(instance.mesh);
+        let has_picture = (material.emissive_texture.is_some() || material.emissive_vertex_colors)
+            && triangles.len() <= PICTURED_TRIANGLES;
+        let picture =
+            has_picture.then(|| Picture::new(rectangle, |at| self.emitted_at(instance, &placed, at)));
+        let emitted = match &picture {
+            Some(picture) => picture.mean() * (rectangle.x * rectangle.y),
+            None => {
+                triangles.iter().map(|triangle| self.emitted(instance, *triangle, corners_of(triangle))).sum()
+            }
+        };
         Some(Flat {
+            picture,
+            double_sided: false,
             world_from_light: Affine3A::from_mat3_translation(
                 Mat3::from_cols(axes[0], axes[1], -normal),
-                before,
+                middle,
             ),
             shape,
             radiance: emitted / shape.area(),
         })
+    }
+
+    /// Radiance at a place among triangles, all in shares of the rectangle around them; none beside them.
+    fn emitted_at(&self, instance: &Instance, triangles: &[(usize, [Vec2; 3])], at: Vec2) -> Vec3 {
+        let weights = |[a, b, c]: [Vec2; 3]| {
+            let weights =
+                Vec3::new((b - at).perp_dot(c - at), (c - at).perp_dot(a - at), (a - at).perp_dot(b - at));
+            weights / weights.element_sum()
+        };
+        let inside = |(triangle, corners): &(usize, [Vec2; 3])| {
+            let weights = weights(*corners);
+            (weights.min_element() >= 0.0).then_some((*triangle, weights))
+        };
+        let Some((triangle, weights)) = triangles.iter().find_map(inside) else { return Vec3::ZERO };
+        let point = self.surface_at(instance.mesh, triangle, weights);
+        point.opacity * point.emissive
     }
 
     /// Radiance of a triangle times its area, the mean of places that are spread evenly.
@@ -230,93 +307,4 @@ fn smallest_rectangle(places: &[Vec3], normal: Vec3) -> Option<(Vec2, [Vec3; 2],
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Material, builtin};
-
-    /// Triangles of a polygon around a centre, counter-clockwise seen from +z.
-    fn polygon(corners: &[Vec3]) -> Mesh {
-        let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
-        Mesh { positions: corners.to_vec(), triangles, material: Some(MaterialId(0)), ..Mesh::default() }
-    }
-
-    fn glowing(mesh: Mesh, parent_from_node: Affine3A, double_sided: bool) -> Scene {
-        let material = Material { emissive: Vec3::new(4.0, 2.0, 1.0), double_sided, ..Material::default() };
-        let mut scene = Scene { materials: vec![material], ..Scene::default() };
-        let node = scene.push_mesh("panel", mesh);
-        scene.nodes[node.0].parent_from_node = parent_from_node;
-        scene
-    }
-
-    #[test]
-    fn a_quad_becomes_a_rectangle_that_shines_from_its_front() {
-        let quad = [Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0), Vec3::new(2.0, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.0)];
-        for mirror in [1.0, -1.0] {
-            let place = Affine3A::from_translation(Vec3::Y)
-                * Affine3A::from_rotation_x(0.5 * PI)
-                * Affine3A::from_scale(Vec3::new(2.0 * mirror, 2.0, 2.0));
-            let mut scene = glowing(polygon(&quad), place, false);
-            scene.light_emission();
-            let [light] = scene.placed_lights()[..] else { panic!("one light") };
-            let AreaLightShape::Rectangle { size } = light.shape else { panic!("{:?}", light.shape) };
-            assert!(
-                (size.max_element() - 4.0).abs() < 1e-5 && (size.min_element() - 1.0).abs() < 1e-5,
-                "{size}"
-            );
-            assert!(light.center.abs_diff_eq(Vec3::new(2.0 * mirror, 1.0, 0.5), 2e-3), "{}", light.center);
-            // From +z a quarter turn about x, and a mirror across turns no front.
-            assert!(light.normal.abs_diff_eq(Vec3::NEG_Y, 1e-5), "{mirror}: {}", light.normal);
-            assert!(light.radiance.abs_diff_eq(Vec3::new(4.0, 2.0, 1.0), 1e-5));
-            assert!(scene.material(MeshId(0)).shines);
-        }
-    }
-
-    #[test]
-    fn both_sides_shine_where_both_are_seen() {
-        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let mut scene = glowing(polygon(&triangle), Affine3A::IDENTITY, true);
-        scene.light_emission();
-        let [front, back] = scene.placed_lights()[..] else { panic!("two lights") };
-        assert!(front.normal.abs_diff_eq(Vec3::Z, 1e-6) && back.normal.abs_diff_eq(Vec3::NEG_Z, 1e-6));
-        // Half of the rectangle around it.
-        assert!((front.radiance.x - 2.0).abs() < 1e-5, "{}", front.radiance);
-    }
-
-    #[test]
-    fn a_round_plate_becomes_a_disk_of_its_area() {
-        let corners: Vec<Vec3> =
-            (0..32).map(|i| (Vec2::from_angle(2.0 * PI * i as f32 / 32.0) * 0.5).extend(1.0)).collect();
-        let mut scene = glowing(polygon(&corners), Affine3A::IDENTITY, false);
-        scene.light_emission();
-        let [light] = scene.placed_lights()[..] else { panic!("one light") };
-        assert!(
-            matches!(light.shape, AreaLightShape::Disk { radius } if (radius - 0.4984).abs() < 1e-3),
-            "{:?}",
-            light.shape
-        );
-        assert!(light.center.abs_diff_eq(Vec3::Z, 2e-3) && (light.radiance.x - 4.0).abs() < 1e-4);
-    }
-
-    #[test]
-    fn sides_of_a_box_are_lights_and_what_is_curved_is_only_seen() {
-        let mut boxes = builtin::without_ground("three-boxes").unwrap();
-        boxes.materials = vec![Material { emissive: Vec3::ONE, ..Material::default() }];
-        boxes.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).material = Some(MaterialId(0)));
-        let before = boxes.clone();
-        boxes.light_emission();
-        assert_eq!(boxes.placed_lights().len(), 3 * 6);
-        assert_eq!(boxes.triangle_count(), before.triangle_count());
-        // A strip that bends a little from piece to piece.
-        let mut strip = Mesh { material: Some(MaterialId(0)), ..Mesh::default() };
-        for i in 0..200_u32 {
-            let (sin, cos) = (0.01 * i as f32).sin_cos();
-            strip.positions.extend([Vec3::new(sin, 0.0, cos), Vec3::new(sin, 1.0, cos)]);
-            if i > 0 {
-                strip.triangles.extend([[2 * i - 2, 2 * i, 2 * i - 1], [2 * i - 1, 2 * i, 2 * i + 1]]);
-            }
-        }
-        let mut curved = glowing(strip, Affine3A::IDENTITY, false);
-        curved.light_emission();
-        assert!(curved.lights.is_empty() && !curved.materials[0].shines);
-    }
-}
+mod tests;

@@ -158,7 +158,7 @@ fn lights_view(id: vec2u) {
     // Four samples across the map.
     let margin = 8.0 * PI / f32(view.size.x);
     for (var light = 0u; light < parameters.light_count; light++) {
-        if lights[light].kind != KIND_DISTANT || lights[light].role != ROLE_LIGHT {
+        if lights[light].kind != KIND_DISTANT || lights[light].role == ROLE_PROBE || lights[light].role == ROLE_SUN {
             continue;
         }
         let reach = acos(clamp(cosine_of_reach(light), -1.0, 1.0)) + margin;

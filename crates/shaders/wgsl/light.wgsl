@@ -50,7 +50,9 @@ fn light(
         let scattered = arrives * radiance * scattered_light(light, relief, surface);
         var specular = vec3f(0.0);
         let is_own = lights[light].kind != KIND_DISTANT || lights[light].role == ROLE_SUN;
-        let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && !is_own;
+        // What no map shows is mirrored here.
+        let is_mirrored = is_own || lights[light].role == ROLE_TAKEN_OUT;
+        let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u && !is_mirrored;
         if form_factor > 0.0 && has_gloss(surface) && !is_traced {
             specular = light_specular(light, surface) * radiance;
         }
@@ -59,11 +61,14 @@ fn light(
             sums.diffuse_shadowed += diffuse * visible + scattered;
             sums.sharpness += luminance(diffuse) * shadow_sharpness;
             sums.variance += luminance(diffuse) * luminance(diffuse) * shadow_variance;
-            sums.specular_unshadowed += specular;
-            sums.specular_shadowed += specular * visible;
         } else {
             sums.diffuse_near += diffuse * visible + scattered;
+        }
+        if is_mirrored {
             sums.specular_near += specular * visible;
+        } else {
+            sums.specular_unshadowed += specular;
+            sums.specular_shadowed += specular * visible;
         }
     }
     store_sums(point, sums);

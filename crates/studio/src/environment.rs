@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use gnomon_envmap::{Equirect, LoadOptions, builtin, load};
 use gnomon_lights::fit::FitSettings;
-use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet};
+use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet, clamped};
 use gnomon_messages::quoted;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{MOST_UNASKED_TRIANGLES, Sky};
@@ -35,6 +35,8 @@ pub struct Surroundings {
     lights: Arc<[DistantLight]>,
     /// Whether they are all lights there are: no more are fitted to the map.
     is_rig: bool,
+    /// The map before its brightest light became lights, where it did.
+    unclamped: Option<Arc<Equirect>>,
     /// What the camera sees behind the scene, where that is another.
     background: Option<Arc<Equirect>>,
     /// Stops that suit it.
@@ -45,7 +47,8 @@ pub struct Surroundings {
 impl From<Arc<Equirect>> for Surroundings {
     fn from(map: Arc<Equirect>) -> Self {
         let exposure = map.suitable_exposure();
-        Self { map, lights: Arc::default(), is_rig: false, background: None, exposure }
+        let lights = Arc::default();
+        Self { map, lights, is_rig: false, unclamped: None, background: None, exposure }
     }
 }
 
@@ -53,6 +56,16 @@ impl Surroundings {
     /// The map that lights.
     pub fn map(&self) -> &Arc<Equirect> {
         &self.map
+    }
+
+    /// The same with all of its light, where some of it became lights.
+    pub fn whole_map(&self) -> &Arc<Equirect> {
+        self.unclamped.as_ref().unwrap_or(&self.map)
+    }
+
+    /// Lights beside it: a rig's, and what was taken out of the brightest texels ([`EnvironmentLook::clamp`]).
+    pub fn lights(&self) -> &[DistantLight] {
+        &self.lights
     }
 
     /// Stops that bring the environment's mean to 0.5, as its file has it.
@@ -83,7 +96,9 @@ impl Surroundings {
             let set = LightSet::new("rig", self.lights.to_vec(), Equirect::clone(&self.map));
             return Ok(LightSet { stands_alone: true, ..set });
         }
-        fit_lights(fit, options, &self.map)
+        let mut set = fit_lights(fit, options, &self.map)?;
+        set.lights.extend_from_slice(&self.lights);
+        Ok(LightSet { taken_out: self.lights.len(), ..set })
     }
 
     /// Whether these are the very same: whoever changes one replaces it.
@@ -129,7 +144,7 @@ impl Reader<'_> {
             Some(rig) => self.rig(Path::new(rig), look)?,
             None => self.environment(look)?.into(),
         };
-        surroundings = surroundings.graded(environment);
+        surroundings = surroundings.clamped(environment).graded(environment);
         if let Some(background) = &environment.background_map {
             surroundings.background =
                 Some(Arc::new(self.map(Path::new(background), LoadOptions::default())?));
@@ -196,6 +211,7 @@ impl Reader<'_> {
             map: Arc::new(map),
             lights: rig.shining().into(),
             is_rig: true,
+            unclamped: None,
             background,
             exposure,
         })
@@ -206,6 +222,18 @@ impl Reader<'_> {
 const BLACK: (u32, u32) = (8, 4);
 
 impl Surroundings {
+    /// The same with the brightest light of the map as lights, as a look asks for. The camera sees the whole map.
+    fn clamped(mut self, look: &EnvironmentLook) -> Self {
+        let Some(limit) = look.clamp else { return self };
+        let (map, lights) = clamped(&self.map, limit);
+        if !lights.is_empty() {
+            self.background.get_or_insert_with(|| Arc::clone(&self.map));
+            self.unclamped = Some(std::mem::replace(&mut self.map, Arc::new(map)));
+            self.lights = self.lights.iter().cloned().chain(lights).collect();
+        }
+        self
+    }
+
     /// The same with all light multiplied as a look asks for.
     #[must_use]
     pub fn graded(mut self, look: &EnvironmentLook) -> Self {
@@ -215,6 +243,7 @@ impl Surroundings {
         let factor = look.strength * Vec3::from(look.tint);
         self.map = graded(&self.map, factor);
         self.background = self.background.as_deref().map(|map| graded(map, factor));
+        self.unclamped = self.unclamped.as_deref().map(|map| graded(map, factor));
         self.lights = self.lights.iter().map(|light| light.times(factor)).collect();
         self
     }
@@ -346,7 +375,11 @@ fn lit(
     }
     let lights = surroundings.fit_lights(&look.fit, options)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
-    let mut prepared = PreparedLighting::new(&surroundings.map, &lights, &settings)?;
+    let mut prepared = match surroundings.unclamped.as_ref().filter(|_| !surroundings.is_rig) {
+        // Unshadowed light is that of the whole map.
+        Some(whole) => PreparedLighting::new(whole, &lights, &settings)?.with_mirrored(&surroundings.map),
+        None => PreparedLighting::new(&surroundings.map, &lights, &settings)?,
+    };
     if let Some(background) = &surroundings.background {
         prepared = prepared.with_background(Equirect::clone(background));
     }

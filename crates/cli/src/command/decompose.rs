@@ -10,7 +10,7 @@ use gnomon::studio::{self, Look, Project, Stage};
 use gnomon_terminal::{Terminal, print};
 
 use crate::error::CliError;
-use crate::options::{Fitted, LookArgs, environment_help, load_environment};
+use crate::options::{Fitted, GivenEnvironment, LookArgs, environment_help, load_environment};
 use crate::output;
 
 /// Take an environment apart into area lights and an ambient rest, for this program or another
@@ -138,15 +138,18 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     let asked = args.asked(target).fit;
     asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");
-    let environment = Arc::new(load_environment(&args.environment, &args.look.given, terminal)?);
+    let GivenEnvironment { whole: environment, fitted, taken_out } =
+        load_environment(&args.environment, &args.look.given, terminal)?;
     let options = match &args.scene {
         Some(scene) => {
             let project = Project::open(scene, Look::default(), &Given::default())?;
-            Stage::under(project, Arc::clone(&environment), Vec::new())?.fit_scene().options(&asked)?
+            Stage::under(project, Arc::clone(&fitted), Vec::new())?.fit_scene().options(&asked)?
         }
         None => asked.options(args.above_ground)?,
     };
-    let lights = studio::fit_lights(&asked, &options, &environment)?;
+    let mut lights = studio::fit_lights(&asked, &options, &fitted)?;
+    lights.taken_out = taken_out.len();
+    lights.lights.extend(taken_out);
     if let Some(path) = &args.residual {
         gnomon::picture::write(path, lights.residual.radiance())?;
     }

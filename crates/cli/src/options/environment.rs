@@ -1,4 +1,7 @@
+use std::sync::Arc;
+
 use gnomon::envmap::{Equirect, builtin};
+use gnomon::lights::DistantLight;
 use gnomon::options::Given;
 use gnomon::picture;
 use gnomon::studio::{self, Look, environment_named};
@@ -6,11 +9,20 @@ use gnomon_terminal::Terminal;
 
 use crate::error::CliError;
 
+/// An environment to be fitted.
+pub struct GivenEnvironment {
+    /// With all of its light.
+    pub whole: Arc<Equirect>,
+    /// Without what became lights of its own ([`studio::EnvironmentLook::clamp`]).
+    pub fitted: Arc<Equirect>,
+    pub taken_out: Vec<DistantLight>,
+}
+
 /// Reads or makes the environment that the command line names, and turns it as it is `given`. What had to be repaired is told as warnings.
 ///
 /// # Errors
 /// Unreadable files, pictures of no known layout, names of nothing.
-pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result<Equirect, CliError> {
+pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result<GivenEnvironment, CliError> {
     let mut look = Look { map: Some(environment_named(name)), ..Look::default() };
     given.apply(&mut look);
     if look.environment.rig.is_some() || look.environment.background_map.is_some() {
@@ -20,8 +32,14 @@ pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result
     }
     let (surroundings, warnings) = studio::load_surroundings(&look)?;
     warnings.iter().for_each(|warning| terminal.warn(warning));
-    let (map, degrees) = (surroundings.map(), look.environment.rotation);
-    Ok(if degrees == 0.0 { Equirect::clone(map) } else { map.rotated(degrees.to_radians()) })
+    let turn = look.environment.rotation.to_radians();
+    let turned =
+        |map: &Arc<Equirect>| if turn == 0.0 { Arc::clone(map) } else { Arc::new(map.rotated(turn)) };
+    Ok(GivenEnvironment {
+        whole: turned(surroundings.whole_map()),
+        fitted: turned(surroundings.map()),
+        taken_out: surroundings.lights().iter().map(|light| light.rotated(turn)).collect(),
+    })
 }
 
 /// What an environment may be, for help texts.

@@ -142,6 +142,7 @@ impl LightFit for Disks {
             residual: Equirect::new(residual),
             omits_hidden: false,
             stands_alone: false,
+            taken_out: 0,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Pictures that are too large for one buffer of light sums, in bands of rows.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use bytemuck::pod_collect_to_vec;
 use gnomon_picture::RgbImage;
@@ -8,6 +9,7 @@ use gnomon_picture::RgbImage;
 use super::{Frame, Renderer};
 use gnomon_shaders::layout;
 
+use crate::cryptomatte::Labels;
 use crate::gpu::TextureReadBack;
 use crate::layers::{RenderedLayer, RenderedLayers};
 use crate::recorder::{FrameTimings, add_times};
@@ -70,6 +72,8 @@ pub(super) struct BandsInFlight {
     pub(super) bands: Vec<BandInFlight>,
     /// Without pixels yet.
     pub(super) layers: Vec<RenderedLayer>,
+    /// What their mattes are of.
+    pub(super) labels: Arc<Labels>,
 }
 
 /// A band of it, on its way.
@@ -77,15 +81,15 @@ pub(super) struct BandInFlight {
     pub(super) band: Band,
     pub(super) radiance: TextureReadBack,
     pub(super) display: TextureReadBack,
-    /// Those of the picture, in order.
-    pub(super) layers: Vec<TextureReadBack>,
+    /// Those of the picture, in order, of a matte one for each sample.
+    pub(super) layers: Vec<Vec<TextureReadBack>>,
     pub(super) timings: FrameTimings,
 }
 
 impl BandsInFlight {
     /// The picture and its layers, once everything is there.
     pub(super) async fn frame(self) -> Result<(Frame, RenderedLayers), RenderError> {
-        let Self { gpu, size: [width, height], bands, mut layers } = self;
+        let Self { gpu, size: [width, height], bands, mut layers, labels } = self;
         let (mut radiance, mut alpha) = (Vec::new(), Vec::new());
         let (mut display, mut timings) = (Vec::new(), Vec::new());
         for BandInFlight { band, radiance: texels, display: bytes, layers: of_layers, timings: of_band } in
@@ -99,9 +103,20 @@ impl BandsInFlight {
             alpha.extend(kept.clone().map(|texel| texel[3]));
             radiance.extend(kept.map(|&[r, g, b, _]| glam::Vec3::new(r, g, b)));
             display.extend(bytes.into_iter().skip(before).take(count));
-            for (layer, words) in layers.iter_mut().zip(of_layers) {
-                let words: Vec<[u32; 4]> = pod_collect_to_vec(&words.texels().await?);
-                layer.extend(words.get(before..before + count).unwrap_or_default());
+            for (layer, reads) in layers.iter_mut().zip(of_layers) {
+                let mut samples: Vec<Vec<[u32; 4]>> = Vec::new();
+                for read in reads {
+                    samples.push(pod_collect_to_vec(&read.texels().await?));
+                }
+                let kept: Vec<&[[u32; 4]]> = samples
+                    .iter()
+                    .map(|words| words.get(before..before + count).unwrap_or_default())
+                    .collect();
+                match (layer.layer.names(&labels), kept.as_slice()) {
+                    (Some(_), samples) => layer.extend_matte(samples, &labels),
+                    (None, &[words]) => layer.extend(words),
+                    (None, _) => {}
+                }
             }
             add_times(&mut timings, of_band.passes().await?);
         }

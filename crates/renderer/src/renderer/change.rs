@@ -1,5 +1,7 @@
 //! Everything that changes while running goes one way: it is made anew, checked, and then takes the place of what there was.
 
+use std::sync::Arc;
+
 use glam::Quat;
 use gnomon_brdf::Surface;
 use gnomon_lights::LightSet;
@@ -9,6 +11,7 @@ use super::state::{EnvironmentGroups, Lit, Surroundings};
 use super::{ModelPasses, Renderer, Target};
 use crate::bumps::{MaterialHeights, NO_BUMPS, Preparation, Relief};
 use crate::compose::ComposePass;
+use crate::cryptomatte::Labels;
 use crate::geometry::{Geometry, MovedGeometry};
 use crate::gloss::Reflections;
 use crate::lighting::{Lighting, PreparedLighting};
@@ -79,6 +82,7 @@ struct NextScene {
     ground: Option<Option<PlacedFade>>,
     surfaces: Option<Vec<Surface>>,
     heights: Option<Vec<MaterialHeights>>,
+    labels: Option<Labels>,
 }
 
 enum NextGeometry {
@@ -289,6 +293,7 @@ impl Renderer {
             });
         }
         if looks_different {
+            next.labels = Some(Labels::of(scene));
             next.heights = Some(MaterialHeights::of(scene));
             next.surfaces = Some(scene.materials.iter().map(|material| material.surface).collect());
             next.materials = Some(match self.materials.records_of(gpu, scene) {
@@ -328,7 +333,8 @@ impl Renderer {
             // Made again for what asks for them.
             self.seen = None;
         }
-        let NextScene { geometry, materials, near_lights, ground, surfaces, heights } = scene;
+        let NextScene { geometry, materials, near_lights, ground, surfaces, heights, labels } = scene;
+        self.labels = labels.map_or_else(|| Arc::clone(&self.labels), Arc::new);
         let mut refit = geometry.is_some();
         match geometry {
             Some(NextGeometry::New(geometry)) => {

@@ -1,6 +1,7 @@
 //! Drawing frames: whole, in bands, for a file, a benchmark or a window.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3};
 use gnomon_picture::tonemap::ToneMapping;
@@ -62,8 +63,10 @@ impl Renderer {
         layers: &[LayerTask],
     ) -> Result<BandsInFlight, RenderError> {
         let gpu = self.gpu.clone();
-        let mut in_flight = BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new(), layers: Vec::new() };
-        in_flight.layers.extend(layers.iter().map(LayerTask::empty));
+        let labels = Arc::clone(&self.labels);
+        let of_layers = layers.iter().map(|layer| layer.empty(&labels)).collect();
+        let mut in_flight =
+            BandsInFlight { gpu: gpu.clone(), size, bands: Vec::new(), layers: of_layers, labels };
         for band in bands {
             let scopes = gpu.catch_errors();
             self.judge_clocks(camera, size, band)?;

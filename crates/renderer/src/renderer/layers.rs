@@ -9,6 +9,7 @@ use gnomon_shaders::layout;
 use super::bands::{Band, BandsInFlight};
 use super::{Frame, Lit, Renderer, State, Target};
 use crate::RenderError;
+use crate::cryptomatte::{Labels, sample_cameras};
 use crate::gpu::TextureReadBack;
 use crate::layers::{Layer, LayerRequest, LayerSource, RenderedLayer, RenderedLayers};
 use crate::lighting::Lighting;
@@ -29,8 +30,8 @@ pub(super) struct LayerTask {
 
 impl LayerTask {
     /// The layer without any pixel.
-    pub fn empty(&self) -> RenderedLayer {
-        RenderedLayer::empty(self.layer, self.name.as_deref())
+    pub fn empty(&self, labels: &Labels) -> RenderedLayer {
+        RenderedLayer::empty(self.layer, self.name.as_deref(), labels)
     }
 }
 
@@ -160,14 +161,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// Submits layers of a band that has just been drawn, each with its read-back.
+    /// Submits layers of a band that has just been drawn, each with its read-back, of a matte one for each sample.
     pub(super) fn begin_layers(
         &mut self,
         camera: &Camera,
         size: [u32; 2],
         band: &Band,
         layers: &[LayerTask],
-    ) -> Result<Vec<TextureReadBack>, RenderError> {
+    ) -> Result<Vec<Vec<TextureReadBack>>, RenderError> {
         if layers.is_empty() {
             return Ok(Vec::new());
         }
@@ -184,16 +185,27 @@ impl Renderer {
         };
         let drawn = Drawn { lit, target, pass, seen: target.seen.as_ref().ok_or_else(no_frame)? };
         let group = self.draw_seen(&drawn, camera, size, band);
-        // Light of groups takes the place of all light.
+        // Samples of mattes take the place of what is seen through the middle, and light of groups that of all light.
         let mut order: Vec<usize> = (0..layers.len()).collect();
-        order.sort_by_key(|&i| matches!(layers[i].source, LayerSource::Group { .. }));
-        let mut reads: Vec<Option<TextureReadBack>> = layers.iter().map(|_| None).collect();
+        order.sort_by_key(|&i| match layers[i].source {
+            LayerSource::Seen(_) | LayerSource::Composed(_) => 0,
+            LayerSource::Matte(_) => 1,
+            LayerSource::Group { .. } => 2,
+        });
+        let mut reads: Vec<Vec<TextureReadBack>> = layers.iter().map(|_| Vec::new()).collect();
         for i in order {
-            reads[i] = Some(self.begin_layer(&drawn, layers[i].source, &group, pixels)?);
+            if let LayerSource::Matte(layer) = layers[i].source {
+                for camera in sample_cameras(camera, size[0]) {
+                    let group = self.draw_seen(&drawn, &camera, size, band);
+                    reads[i].push(self.begin_layer(&drawn, LayerSource::Seen(layer), &group, pixels)?);
+                }
+            } else {
+                reads[i].push(self.begin_layer(&drawn, layers[i].source, &group, pixels)?);
+            }
         }
         target.points.compose_part(&self.gpu, layout::PART_PICTURE);
         lit.batches.show_group(&self.gpu, None);
-        Ok(reads.into_iter().flatten().collect())
+        Ok(reads)
     }
 
     /// Draws what is seen, and gives the bind group of its frame.
@@ -227,7 +239,7 @@ impl Renderer {
         let mut encoder = new_encoder(gpu);
         let mut recorder = Recorder::new(gpu, &mut encoder, Clock::Off);
         let texture = match source {
-            LayerSource::Seen(layer) => {
+            LayerSource::Seen(layer) | LayerSource::Matte(layer) => {
                 pass.write(&mut recorder, seen, seen_group, layer);
                 &seen.words
             }

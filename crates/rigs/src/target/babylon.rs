@@ -4,6 +4,8 @@
 //!   irradiance of a surface that faces it, as PBR materials divide by pi.
 //! - An `HDRCubeTexture` shows the middle of a map towards +z of its left-handed space, which is -z here: half a turn beside Gnomon's columns.
 //!   It lights and is mirrored: there is no second map.
+//! - A shadow map's depth covers what lies around the origin: by default it would be the camera's, whose rounding hides shadows. Version 9 reads
+//!   generators only once one was made or `RegisterShadowGeneratorSceneComponent(ShadowGenerator)` was called.
 //! - Materials take four lights unless their `maxSimultaneousLights` says more.
 
 use gnomon_lights::DistantLight;
@@ -18,14 +20,19 @@ pub(super) const TARGET: Target = Target {
     summary: "Babylon.js: directional lights with shadow generators, and a map",
     reflections: Reflections::Ambient,
     most_lights: Some(4),
-    loses: "lights have no size, and each shadow generator's renderList awaits the meshes",
+    loses: "lights have no size, each shadow generator's renderList awaits the meshes, and version 9 reads generators only after RegisterShadowGeneratorSceneComponent(ShadowGenerator)",
     map_extension: "hdr",
     text,
 };
 
-/// Distance of lights from the origin [m].
+/// Distance of lights from the origin, and of the ends of what their shadow maps see [m].
 const DISTANCE: f64 = 20.0;
+const NEAR: f32 = 0.1;
+const FAR: f32 = 50.0;
 const SHADOW_MAP: u32 = 2048;
+/// Of a receiver's depth, as a share of the map's range, and along its normal [m]: without them lit surfaces are striped.
+const BIAS: f32 = 2e-4;
+const NORMAL_BIAS: f32 = 0.01;
 
 fn text(rig: &Rig) -> String {
     let (lights, shadows): (Vec<Value>, Vec<Value>) = rig.set.lights.iter().enumerate().map(entry).unzip();
@@ -65,11 +72,15 @@ fn entry((index, light): (usize, &DistantLight)) -> (Value, Value) {
         "diffuse": color.as_vec3().to_array(),
         "specular": color.as_vec3().to_array(),
         "intensity": intensity as f32,
+        "shadowMinZ": NEAR,
+        "shadowMaxZ": FAR,
         "metadata": { "angularDiameter": sun.diameter as f32 },
     });
     let shadow = json!({
         "lightId": name,
         "mapSize": SHADOW_MAP,
+        "bias": BIAS,
+        "normalBias": NORMAL_BIAS,
         "usePercentageCloserFiltering": true,
         "renderList": [],
     });

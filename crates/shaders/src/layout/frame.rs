@@ -61,6 +61,8 @@ super::constants! {
     pub const ROLE_PROBE: u32 = 1;
     /// [`Light::role`] of a distant light of the scene's own: it is no part of the environment's light.
     pub const ROLE_SUN: u32 = 2;
+    /// [`Light::role`] of a light of the environment that the map which is mirrored does not show.
+    pub const ROLE_TAKEN_OUT: u32 = 3;
     /// A flat light gives nothing to what is nearer to its plane than this share of its smaller half side: `gnomon_scene::FLAT_CLEARANCE`.
     pub const FLAT_CLEARANCE: f32 = 3e-4;
     /// Values of [`Light::profile`].

@@ -1,0 +1,176 @@
+//! Cryptomatte: which shares of a pixel show what, under hashes of names that compositing programs pick from (Friedman and Jones 2015;
+//! specification 1.2.0).
+
+use std::collections::BTreeMap;
+
+use glam::Vec2;
+use gnomon_scene::{Camera, Scene};
+
+/// Samples along a pixel's side.
+const SIDE: u32 = 4;
+/// What covers a pixel most, so many of it; two to four channels of a file.
+const RANKS: usize = 6;
+
+/// Channels of a matte: the layer's name and a number, and in each a hash and its share twice.
+macro_rules! channels {
+    ($name:literal) => {
+        &[
+            concat!($name, "00.R"),
+            concat!($name, "00.G"),
+            concat!($name, "00.B"),
+            concat!($name, "00.A"),
+            concat!($name, "01.R"),
+            concat!($name, "01.G"),
+            concat!($name, "01.B"),
+            concat!($name, "01.A"),
+            concat!($name, "02.R"),
+            concat!($name, "02.G"),
+            concat!($name, "02.B"),
+            concat!($name, "02.A"),
+        ]
+    };
+}
+
+pub(crate) const OBJECT_CHANNELS: &[&str] = channels!("CryptoObject");
+pub(crate) const MATERIAL_CHANNELS: &[&str] = channels!("CryptoMaterial");
+
+/// Names of what labels count from 1, each once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Labels {
+    pub objects: Vec<String>,
+    pub materials: Vec<String>,
+}
+
+impl Labels {
+    /// Of a scene's nodes and materials, the default one last.
+    pub fn of(scene: &Scene) -> Self {
+        let materials = scene.materials.iter().map(|material| material.name.as_str());
+        Self {
+            objects: unique("object", scene.nodes.iter().map(|node| node.name.as_str())),
+            materials: unique("material", materials.chain(["default"])),
+        }
+    }
+}
+
+/// The same names with numbers from 0 behind those that are empty or not the only one.
+fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+    let mut counts = BTreeMap::new();
+    names.clone().for_each(|name| *counts.entry(name).or_insert(0) += 1);
+    let named = |(number, name): (usize, &str)| match (name, counts.get(name)) {
+        ("", _) => format!("{what}_{number}"),
+        (name, Some(1)) => name.to_owned(),
+        (name, _) => format!("{name}_{number}"),
+    };
+    names.enumerate().map(named).collect()
+}
+
+/// Cameras whose pixels' middles are the samples of the pixels of this one.
+pub(crate) fn sample_cameras(camera: &Camera, width: u32) -> impl Iterator<Item = Camera> {
+    (0..SIDE * SIDE).map(move |i| {
+        let place = (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32 - 0.5;
+        let mut moved = camera.clone();
+        moved.film.shift += place * Vec2::new(1.0, camera.film.pixel_aspect) / width as f32;
+        moved
+    })
+}
+
+/// A name as a float's bits, none of which is infinite, no number or denormal ("uint32_to_float32").
+fn float_of(name: &str) -> f32 {
+    let hash = murmur3(name.as_bytes());
+    let exponent = hash >> 23 & 255;
+    f32::from_bits(if exponent == 0 || exponent == 255 { hash ^ 1 << 23 } else { hash })
+}
+
+/// MurmurHash3_x86_32 (Appleby), seed 0.
+fn murmur3(bytes: &[u8]) -> u32 {
+    let scrambled = |word: u32| word.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
+    let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
+    let chunks = bytes.chunks_exact(4);
+    let rest = chunks.remainder();
+    let mut hash = chunks.fold(0_u32, |hash, chunk| {
+        (hash ^ scrambled(word(chunk))).rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64)
+    });
+    if !rest.is_empty() {
+        hash ^= scrambled(word(rest));
+    }
+    hash ^= bytes.len() as u32;
+    hash = (hash ^ hash >> 16).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ hash >> 13).wrapping_mul(0xc2b2_ae35);
+    hash ^ hash >> 16
+}
+
+/// Texts of a file's header, by their names.
+pub(crate) fn attributes(channels: &[&str], names: &[String]) -> Vec<(String, String)> {
+    let layer = channels.first().map_or("", |channel| channel.trim_end_matches("00.R"));
+    let hex = |hash: u32| format!("{hash:08x}");
+    let manifest: serde_json::Map<String, serde_json::Value> =
+        names.iter().map(|name| (name.clone(), hex(float_of(name).to_bits()).into())).collect();
+    let key = &hex(murmur3(layer.as_bytes()))[..7];
+    [
+        ("name", layer.to_owned()),
+        ("hash", "MurmurHash3_32".to_owned()),
+        ("conversion", "uint32_to_float32".to_owned()),
+        ("manifest", serde_json::Value::Object(manifest).to_string()),
+    ]
+    .map(|(what, text)| (format!("cryptomatte/{key}/{what}"), text))
+    .to_vec()
+}
+
+/// Values of the channels of pixels, by what their samples show: a list of labels for each sample.
+pub(crate) fn mattes(samples: &[Vec<u32>], names: &[String]) -> Vec<f32> {
+    let floats: Vec<f32> = names.iter().map(|name| float_of(name)).collect();
+    let pixels = samples.first().map_or(0, Vec::len);
+    (0..pixels)
+        .flat_map(|pixel| {
+            let mut counts = BTreeMap::new();
+            for label in samples.iter().map(|sample| sample[pixel]).filter(|&label| label > 0) {
+                *counts.entry(label).or_insert(0) += 1;
+            }
+            let mut ranked: Vec<(u32, u32)> = counts.into_iter().collect();
+            ranked.sort_by_key(|&(label, count)| (std::cmp::Reverse(count), label));
+            let value = |&(label, count): &(u32, u32)| {
+                let float = floats.get(label as usize - 1).copied().unwrap_or(0.0);
+                [float, count as f32 / samples.len() as f32]
+            };
+            let mut ranks = [[0.0; 2]; RANKS];
+            ranks.iter_mut().zip(&ranked).for_each(|(rank, found)| *rank = value(found));
+            ranks.into_iter().flatten()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of the specification's text, and of the hash's own vectors.
+    #[test]
+    fn hashes_are_those_of_the_specification() {
+        assert_eq!(murmur3(b""), 0);
+        assert_eq!(murmur3(b"hello"), 0x248b_fa47);
+        assert_eq!(murmur3(b"The quick brown fox jumps over the lazy dog"), 0x2e4f_f723);
+        assert!((float_of("hello") / 6.070_562_7e-17 - 1.0).abs() < 1e-6);
+        assert!((float_of("world") / -4.084_619e15 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn shares_are_ranked_and_names_are_unique() {
+        let names = unique("object", ["box", "", "box", "ball"].into_iter());
+        assert_eq!(names, ["box_0", "object_1", "box_2", "ball"]);
+        let samples = [vec![4, 0], vec![1, 0], vec![4, 2], vec![4, 2]];
+        let values = mattes(&samples, &names);
+        assert_eq!(values.len(), 2 * OBJECT_CHANNELS.len());
+        assert_eq!(values[..4], [float_of("ball"), 0.75, float_of("box_0"), 0.25]);
+        assert_eq!(values[12..16], [float_of("object_1"), 0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_manifest_tells_what_hash_stands_for_what_name() {
+        let texts = attributes(OBJECT_CHANNELS, &["hello".to_owned(), "a \"name\"".to_owned()]);
+        let (key, _) = texts[0].0.rsplit_once('/').unwrap();
+        assert!(key.len() == "cryptomatte/".len() + 7 && texts[0].1 == "CryptoObject", "{texts:?}");
+        let manifest: serde_json::Value = serde_json::from_str(&texts[3].1).unwrap();
+        assert_eq!(manifest["hello"], "248bfa47");
+        assert_eq!(manifest.as_object().unwrap().len(), 2);
+    }
+}
