@@ -55,7 +55,8 @@ fn neighbour_point(list: u32, sample: vec2u, i: i32) -> u32 {
     return point_of_tile[view.point_lists[list].first_tile + u32(tile.y * tiles.x + tile.x)];
 }
 
-// Sums by few rays are grainy, each tile's another way than those beside it: a wider mean takes most of that out.
+// Sums by few rays are grainy, each tile's another way than those beside it: a wider mean takes most of that out. Not where there are highlights,
+// which it would blur.
 const GRAINY_WIDENING: f32 = 1.4;
 
 // The mean of the sums of the tiles around a sample.
@@ -69,7 +70,8 @@ fn gathered_sums(list: u32, sample: vec2u, position_world: vec3f, n: vec3f) -> L
         return sums;
     }
     let normal_power = normal_power_at(sample);
-    let widening = select(1.0, GRAINY_WIDENING, (view.flags & (FLAG_GRAINY_SUMS | FLAG_EVENED_SUMS)) == FLAG_GRAINY_SUMS);
+    let widening_flags = view.flags & (FLAG_GRAINY_SUMS | FLAG_EVENED_SUMS | FLAG_SPECULAR_SUMS);
+    let widening = select(1.0, GRAINY_WIDENING, widening_flags == FLAG_GRAINY_SUMS);
     var weights = 0.0;
     var last = NO_POINT;
     for (var i = 0; i < 9; i++) {
