@@ -149,8 +149,15 @@ mod tests {
         assert_eq!(murmur3(b""), 0);
         assert_eq!(murmur3(b"hello"), 0x248b_fa47);
         assert_eq!(murmur3(b"The quick brown fox jumps over the lazy dog"), 0x2e4f_f723);
-        assert!((float_of("hello") / 6.070_562_7e-17 - 1.0).abs() < 1e-6);
-        assert!((float_of("world") / -4.084_619e15 - 1.0).abs() < 1e-6);
+        let published = [
+            ("hello", 6.070_562_7e-17_f64),
+            ("cube", -4.084_619_1e15),
+            ("sphere", 2.790_186e15),
+            ("plane", 3.665_576_2e-11),
+        ];
+        for (name, float) in published {
+            assert!((f64::from(float_of(name)) / float - 1.0).abs() < 1e-6, "{name}: {}", float_of(name));
+        }
     }
 
     #[test]
