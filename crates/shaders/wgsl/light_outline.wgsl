@@ -1,5 +1,6 @@
 #import frame
 #import sample_pattern
+#import unit_outline
 
 // A light's outline on the tangent plane at its direction, in map axes, per metre of distance.
 struct Outline {
@@ -54,33 +55,12 @@ fn outline_point(outline: Outline, i: u32, count: u32) -> vec2f {
     return outline_at(outline, vec2f(0.0), hammersley(i, count));
 }
 
-// What takes the plane of an outline to where that is the unit disk, or the square from -1 to 1. A quadrilateral is taken for the parallelogram
-// that it nearly is.
-struct UnitOutline {
-    is_disk: bool,
-    middle: vec2f,
-    unit_from_plane: mat2x2f,
-    // Most that it lengthens anything along an axis of the square.
-    growth: f32,
-}
-
 fn unit_outline(outline: Outline) -> UnitOutline {
     if outline.shape == SHAPE_DISK {
-        let growth = 1.0 / max(outline.radius, 1e-9);
-        return UnitOutline(true, vec2f(0.0), mat2x2f(growth, 0.0, 0.0, growth), growth);
+        return unit_disk(outline.radius);
     }
+    // A quadrilateral is taken for the parallelogram that it nearly is.
     let a = 0.5 * outline.sides[0] + 0.25 * outline.skew;
     let b = 0.5 * outline.sides[1] + 0.25 * outline.skew;
-    let determinant = a.x * b.y - a.y * b.x;
-    let scale = select(-1.0, 1.0, determinant >= 0.0) / max(abs(determinant), 1e-12);
-    let middle = outline.corner + 0.5 * (outline.sides[0] + outline.sides[1]) + 0.25 * outline.skew;
-    let unit_from_plane = mat2x2f(scale * b.y, -scale * a.y, -scale * b.x, scale * a.x);
-    return UnitOutline(false, middle, unit_from_plane, abs(scale) * max(length(a), length(b)));
-}
-
-// Whether a place lies within an outline of `scale` times its size, or `margin` beside that.
-fn is_in_outline(unit: UnitOutline, place: vec2f, scale: f32, margin: f32) -> bool {
-    let at = unit.unit_from_plane * (place - scale * unit.middle);
-    let away = select(max(abs(at.x), abs(at.y)), length(at), unit.is_disk);
-    return away <= abs(scale) + margin * unit.growth;
+    return unit_parallelogram(outline.corner + a + b - 0.25 * outline.skew, a, b);
 }

@@ -66,8 +66,9 @@ fn least_lit_depth(seen: Seen, offset: vec2f) -> f32 {
 // Whether a blocker `offset` uv beside the receiver hides any of the light (Guennebaud et al. 2006): from the foot of a wall, the floor
 // before it is nearer to the light, but below all rays to it.
 fn hides_light(seen: Seen, offset: vec2f, z: f32) -> bool {
+    let scale = footprint_scale_uv(seen.light, seen.receiver.w, z);
     let margin = OUTLINE_MARGIN / f32(textureDimensions(depth_maps).x);
-    return is_in_outline(seen.unit, offset, footprint_scale_uv(seen.light, seen.receiver.w, z), margin);
+    return reach_in_outline(seen.unit, offset, scale) <= abs(scale) + margin * seen.unit.growth;
 }
 
 // Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
