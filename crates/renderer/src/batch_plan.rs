@@ -12,9 +12,9 @@ const LEAST_RESOLUTION: u32 = 32;
 /// penumbrae are wider than the larger texels.
 const FOOTPRINT_AT_RESOLUTION: f32 = 0.15;
 
-/// A light that casts sharper shadows than that may have so many times the texels along a side as it gives fiftieths of all light: of one
-/// that gives less nobody sees how sharp they are.
-const SHARE_AT_RESOLUTION: f32 = 0.02;
+/// A light that casts sharper shadows than that may have so many times the texels along a side as it gives times this share of all light, what
+/// each of the usual 64 gives on average: of one that gives less nobody sees how sharp they are.
+const SHARE_AT_RESOLUTION: f32 = 1.0 / 64.0;
 
 choices! {
     /// How large the lights' shadow maps are.

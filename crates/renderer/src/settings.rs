@@ -87,7 +87,7 @@ settings! {
         visibility: VisibilityPath = VisibilityPath::default(), choice(VisibilityPath::choices);
         /// Texels along each side of the shadow map of a light of 20 degrees; wider ones have fewer.
         shadow_resolution: u32 = 256, power_of_two(16, 8192);
-        /// Most texels along each side of the shadow map of a smaller light that gives more than a fiftieth of all light: a sun, a lamp.
+        /// Most texels along each side of the shadow map of a smaller light that gives more than a sixty-fourth of all light: a sun, a lamp.
         sharp_shadow_resolution: u32 = 2048, power_of_two(16, 8192);
         /// How large the lights' shadow maps are.
         shadow_sizing: ShadowSizing = ShadowSizing::default(), choice(ShadowSizing::choices);

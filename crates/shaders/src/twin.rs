@@ -15,4 +15,5 @@ pub mod resample;
 pub mod sample_pattern;
 pub mod series;
 pub mod triangle_hit;
+pub mod unit_outline;
 pub mod weighted_box;

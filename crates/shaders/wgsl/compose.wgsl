@@ -260,8 +260,8 @@ fn sums_of(sample: vec2u, surface: Surface, is_smooth: bool, own_of_pixel: u32) 
     return gathered_sums(list, sample, surface.position_world, surface.n);
 }
 
-// Radiance of a sample, or of the whole of a smooth pixel: what textures say is averaged over four samples then, light over tiles smaller
-// than the pixel and over samples that have points of their own.
+// Radiance of a sample, or of the whole of a smooth pixel: what textures say is averaged over four samples then, and the normal (facets may be
+// as small as pixels), light over tiles smaller than the pixel and over samples that have points of their own.
 fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
     let side = view.supersample;
     let depth = depth_at(sample);
@@ -271,18 +271,21 @@ fn radiance_of(corner: vec2u, sample: vec2u, is_smooth: bool) -> vec4f {
         catches = catches_at(sample);
     }
     var mean = vec3f(0.0);
+    var mean_normal = vec3f(0.0);
     for (var i = 0u; i < spread; i++) {
         let place = select(sample, spread_sample(corner, side, i), spread > 1u);
         if depth == 0.0 {
             mean += part_of_background(place) / f32(spread);
         } else {
             mean += color_at(place, catches) / f32(spread);
+            mean_normal += normal_at(place);
         }
     }
     if depth == 0.0 {
         return vec4f(mean, 0.0);
     }
     var surface = surface_at(sample, depth);
+    surface.n = normalize(mean_normal);
     if catches == CATCHES_NOT {
         surface.diffuse_color = mean;
     }

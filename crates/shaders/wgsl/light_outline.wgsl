@@ -1,5 +1,6 @@
 #import frame
 #import sample_pattern
+#import unit_outline
 
 // A light's outline on the tangent plane at its direction, in map axes, per metre of distance.
 struct Outline {
@@ -52,4 +53,14 @@ fn outline_point(outline: Outline, i: u32, count: u32) -> vec2f {
         return outline_at(outline, vogel_disk(i, count, 0.0), vec2f(0.0));
     }
     return outline_at(outline, vec2f(0.0), hammersley(i, count));
+}
+
+fn unit_outline(outline: Outline) -> UnitOutline {
+    if outline.shape == SHAPE_DISK {
+        return unit_disk(outline.radius);
+    }
+    // A quadrilateral is taken for the parallelogram that it nearly is.
+    let a = 0.5 * outline.sides[0] + 0.25 * outline.skew;
+    let b = 0.5 * outline.sides[1] + 0.25 * outline.skew;
+    return unit_parallelogram(outline.corner + a + b - 0.25 * outline.skew, a, b);
 }

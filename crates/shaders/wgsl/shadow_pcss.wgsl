@@ -27,6 +27,8 @@ const LEAST_TEXELS: f32 = 2.0;
 const NEAR_REACH: f32 = 2.5;
 // What is seen of the near ones in so small a share of their kernel tells nothing.
 const LEAST_TOLD: f32 = 0.1;
+// What a blocker hides may lie so many texels beside the light, as seen from the receiver: a texel holds the depth of its middle alone.
+const OUTLINE_MARGIN: f32 = 1.0;
 
 // Linear depth of what the map holds `offset` uv beside a receiver.
 fn map_depth(light: u32, receiver: vec4f, offset: vec2f) -> f32 {
@@ -41,6 +43,7 @@ fn map_depth(light: u32, receiver: vec4f, offset: vec2f) -> f32 {
 struct Seen {
     light: u32,
     outline: Outline,
+    unit: UnitOutline,
     weights: OutlineWeights,
     // Of the geometric normal.
     facet_cosines: vec3f,
@@ -60,6 +63,14 @@ fn least_lit_depth(seen: Seen, offset: vec2f) -> f32 {
     return receiver_plane_depth(seen.receiver, seen.gradient, offset) - seen.bias;
 }
 
+// Whether a blocker `offset` uv beside the receiver hides any of the light (Guennebaud et al. 2006): from the foot of a wall, the floor
+// before it is nearer to the light, but below all rays to it.
+fn hides_light(seen: Seen, offset: vec2f, z: f32) -> bool {
+    let scale = footprint_scale_uv(seen.light, seen.receiver.w, z);
+    let margin = OUTLINE_MARGIN / f32(textureDimensions(depth_maps).x);
+    return reach_in_outline(seen.unit, offset, scale) <= abs(scale) + margin * seen.unit.growth;
+}
+
 // Mean linear depth (x) and number (y) of the blockers found where the cone from the receiver to the light cuts the near plane.
 fn blocker_search(seen: Seen) -> vec2f {
     let scale = footprint_scale_uv(seen.light, seen.receiver.w, 0.0);
@@ -68,7 +79,7 @@ fn blocker_search(seen: Seen) -> vec2f {
     for (var i = 0u; i < input.parameters.search_samples; i++) {
         let offset = scale * point_of(seen, i);
         let z = map_depth(seen.light, seen.receiver, offset);
-        let blocks = z < least_lit_depth(seen, offset);
+        let blocks = z < least_lit_depth(seen, offset) && hides_light(seen, offset, z);
         sum += select(0.0, z, blocks);
         count += select(0.0, 1.0, blocks);
     }
@@ -151,7 +162,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let outline_seen = outline_from(light, position_world);
     let bias = lights[light].bias_scale * input.parameters.depth_bias;
     let seen =
-        Seen(light, outline, outline_weights(outline_seen, n), normal_world * outline_seen, receiver, gradient, bias);
+        Seen(light, outline, unit_outline(outline), outline_weights(outline_seen, n), normal_world * outline_seen, receiver, gradient, bias);
     var left = 1.0;
     let blockers = blocker_search(seen);
     if blockers.y > 0.0 {

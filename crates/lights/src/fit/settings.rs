@@ -14,7 +14,7 @@ settings! {
         method: String = "optimized".to_owned(), choice(method_choices).flag("lights").alias("method");
         /// Number of lights.
         light_count: Option<usize> = None,
-            whole(1, MAX_LIGHTS as i64).automatic("the fit's own choice", 48.0).excludes("threshold");
+            whole(1, MAX_LIGHTS as i64).automatic("the fit's own choice", 64.0).excludes("threshold");
         /// Where the fit stops: disks at a light below this share of those before it (smaller makes more lights), squares and rectangles
         /// grow while a side adds more than this share (larger makes more).
         threshold: Option<f32> = None, between(0.0, 1.0).automatic("the fit's own choice", 0.05).excludes("light_count");

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec4};
 use gnomon_shaders::twin::{
     depth_moments, micromap, partial_cover, pyramid_meets_box, sample_pattern, series, triangle_hit,
-    weighted_box,
+    unit_outline, weighted_box,
 };
 use gnomon_testing::tolerances::SHADER_TWIN;
 
@@ -86,6 +86,23 @@ fn weighted_boxes() {
     compare("weighted_box", body, 1e-3, input, |[a, b]| {
         let found = weighted_box::weighted_box(a.truncate(), Vec2::new(b.x, b.y));
         found.center.extend(found.half_extent.x).extend(found.half_extent.y)
+    });
+}
+
+#[test]
+fn outlines_as_units() {
+    // Half sides that are far from parallel, either way round.
+    let input = |u: Vec4, v: Vec4| {
+        let turned = if v.w > 0.5 { -1.0 } else { 1.0 };
+        [u - 0.5, Vec4::new(0.3 + v.x, 0.2 * v.y, 0.2 * v.z, turned * (0.3 + v.w))]
+    };
+    let body = "vec4f(reach_in_outline(unit_parallelogram(a.xy, b.xy, b.zw), a.zw, 0.7), unit_parallelogram(a.xy, b.xy, b.zw).growth, reach_in_outline(unit_disk(b.x), a.zw, 0.7), unit_disk(b.x).growth)";
+    compare("unit_outline", body, 1e-4, input, |[a, b]| {
+        let (middle, place) = (Vec2::new(a.x, a.y), Vec2::new(a.z, a.w));
+        let quad = unit_outline::unit_parallelogram(middle, Vec2::new(b.x, b.y), Vec2::new(b.z, b.w));
+        let disk = unit_outline::unit_disk(b.x);
+        let reach = |unit| unit_outline::reach_in_outline(unit, place, 0.7);
+        Vec4::new(reach(&quad), quad.growth, reach(&disk), disk.growth)
     });
 }
 
