@@ -12,7 +12,7 @@
 @group(GROUP_SHADOW) @binding(2) var trilinear: sampler;
 
 // Share of the first kernel below which nothing blocks but rounding.
-const FULLY_LIT: f32 = 0.005;
+const UNBLOCKED: f32 = 0.005;
 
 // `blockers_in_front` of a receiver of linear depth `d` in a kernel of `width_uv`, the depth in its turn linear in [0, 1].
 fn filtered_blockers(light: u32, uv: vec2f, d: f32, width_uv: f32) -> vec2f {
@@ -36,7 +36,7 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let search_scale = footprint_scale_uv(light, receiver.w, 0.0);
     let search_width = footprint * search_scale;
     let search = filtered_blockers(light, receiver.xy + search_scale * outline.center, d, search_width);
-    if search.x < FULLY_LIT {
+    if search.x < UNBLOCKED {
         return 1.0;
     }
     let scale = footprint_scale_uv(light, receiver.w, min(search.y, receiver.z));

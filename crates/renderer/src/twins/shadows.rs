@@ -150,20 +150,43 @@ fn rays_and_triangles() {
         let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).z.abs();
         if area > 1e-3 { hit } else { hit.round() }
     });
-    // Pyramids about +z, boxes before them and beside them.
-    let body = "vec4f(select(0.0, 1.0, pyramid_meets_box(vec3f(a.xy - 0.3, 0.9), vec3f(a.xy + 0.2, 1.1), vec3f(b.xy, a.z), vec3f(b.xy + 0.3, a.z + b.z), 0.8)), vec3f(0.0))";
+    // Pyramids about +z, boxes before them and beside them; turned, so that each axis is the one along which no ray goes back, and mirrored.
     let input = |u: Vec4, v: Vec4| [(u - 0.5).with_z(u.z), (v - 0.5).with_z(v.z)];
-    compare("pyramid_meets_box", body, 0.0, input, |[a, b]| {
-        let vector = |x: f32, y: f32, z: f32| glam::Vec3::new(x, y, z);
-        let meets = pyramid_meets_box::pyramid_meets_box(
-            vector(a.x - 0.3, a.y - 0.3, 0.9),
-            vector(a.x + 0.2, a.y + 0.2, 1.1),
-            vector(b.x, b.y, a.z),
-            vector(b.x + 0.3, b.y + 0.3, a.z + b.z),
-            0.8,
+    let places = [
+        "vec3f(a.xy - 0.3, 0.9)",
+        "vec3f(a.xy + 0.2, 1.1)",
+        "vec3f(b.xy, a.z)",
+        "vec3f(b.xy + 0.3, a.z + b.z)",
+    ];
+    for (order, sign) in
+        [("xyz", 1.0), ("zxy", 1.0), ("yzx", 1.0), ("xyz", -1.0), ("zxy", -1.0), ("yzx", -1.0)]
+    {
+        let [least, most, low, high] = places.map(|place| format!("{sign:?} * {place}.{order}"));
+        // What was least is most in a mirror.
+        let [least, most, low, high] =
+            if sign > 0.0 { [least, most, low, high] } else { [most, least, high, low] };
+        let body = format!(
+            "vec4f(select(0.0, 1.0, pyramid_meets_box({least}, {most}, {low}, {high}, 0.8)), vec3f(0.0))"
         );
-        Vec4::new(f32::from(meets), 0.0, 0.0, 0.0)
-    });
+        compare("pyramid_meets_box", &body, 0.0, input, |[a, b]| {
+            let vector = |x: f32, y: f32, z: f32| {
+                sign * match order {
+                    "xyz" => glam::Vec3::new(x, y, z),
+                    "zxy" => glam::Vec3::new(z, x, y),
+                    _ => glam::Vec3::new(y, z, x),
+                }
+            };
+            let least = vector(a.x - 0.3, a.y - 0.3, 0.9);
+            let most = vector(a.x + 0.2, a.y + 0.2, 1.1);
+            let low = vector(b.x, b.y, a.z);
+            let high = vector(b.x + 0.3, b.y + 0.3, a.z + b.z);
+            let meets = match sign > 0.0 {
+                true => pyramid_meets_box::pyramid_meets_box(least, most, low, high, 0.8),
+                false => pyramid_meets_box::pyramid_meets_box(most, least, high, low, 0.8),
+            };
+            Vec4::new(f32::from(meets), 0.0, 0.0, 0.0)
+        });
+    }
     let body = "vec4f(f32(micro_triangle(a.x, a.y, u32(a.z * 64.0) + 1u)), 0.0, 0.0, 0.0)";
     compare(
         "micromap",
