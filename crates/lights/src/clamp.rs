@@ -1,6 +1,7 @@
 //! The brightest texels of a map as lights of their own.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 use gnomon_envmap::Equirect;
@@ -8,21 +9,43 @@ use gnomon_picture::{LUMINANCE, RgbImage};
 
 use crate::DistantLight;
 
-/// Most lights that are made of what is taken out. The light of other places goes to the nearest of them.
-const MOST: usize = 8;
+/// Most lights that are made of what is taken out.
+const MOST: usize = 64;
+/// So many of the brightest places have lights of their own, and so many where fewer hold less than this share of what is taken out. The light
+/// of other places goes to the nearest of them.
+const FEW: usize = 8;
+const MANY: usize = 32;
+const SHARE: f64 = 0.99;
+
+/// A place that reaches farther from its middle is cut in two [rad]: a disk at the middle of a bright horizon would shine from above.
+const WIDEST: f64 = 0.3;
 
 /// Half angles of the disks [rad]: a sun's, and short of a hemisphere.
 const RADII: (f64, f64) = (0.004, 1.2);
 
 /// A map whose texels have at most `limit` in every channel, which keeps their colours, and disks with the light that is taken out: one for
-/// each place where texels that touch are brighter, as large as these are together. Their flux is the map's own.
+/// each place where texels that touch are brighter, as large as these are together, and several for one that is wide. Their flux is the map's own.
 pub fn clamped(map: &Equirect, limit: f32) -> (Equirect, Vec<DistantLight>) {
-    let radiance = map.radiance();
-    let at_most = |texel: Vec3| texel * (limit / texel.max_element()).min(1.0);
-    let is_bright = |x: u32, y: u32| radiance.get(x, y).max_element() > limit;
-    let mut spots = spots(map, is_bright, |texel| texel - at_most(texel));
+    let bright = Bright { map, limit };
+    let (mut texels, ranges) = bright.touching();
+    let mut spots: Vec<Spot> = ranges.into_iter().map(|range| bright.spot(&texels, range)).collect();
     spots.sort_by(|a, b| b.brightness().total_cmp(&a.brightness()));
-    let others = spots.split_off(spots.len().min(MOST));
+    let enough = SHARE * spots.iter().map(Spot::brightness).sum::<f64>();
+    let mut held = 0.0;
+    let is_kept = |(number, spot): &(usize, &Spot)| {
+        let is_kept = *number < FEW || (*number < MANY && held < enough);
+        held += spot.brightness();
+        is_kept
+    };
+    let kept = spots.iter().enumerate().take_while(is_kept).count();
+    let others = spots.split_off(kept);
+    while spots.len() < MOST {
+        let reaches = spots.iter().enumerate().filter(|(_, spot)| spot.reach > WIDEST);
+        let Some((widest, _)) = reaches.max_by(|(_, a), (_, b)| a.reach.total_cmp(&b.reach)) else { break };
+        let [part, rest] = bright.cut(&mut texels, &spots[widest]);
+        spots[widest] = part;
+        spots.push(rest);
+    }
     for other in others {
         let middle = other.middle();
         let nearest =
@@ -33,17 +56,20 @@ pub fn clamped(map: &Equirect, limit: f32) -> (Equirect, Vec<DistantLight>) {
         }
     }
     let lights = spots.iter().map(Spot::light).collect();
-    let texels = RgbImage::from_fn(map.width(), map.height(), |x, y| at_most(radiance.get(x, y)));
-    (Equirect::new(texels), lights)
+    let texel = |x, y| bright.at_most(map.radiance().get(x, y));
+    (Equirect::new(RgbImage::from_fn(map.width(), map.height(), texel)), lights)
 }
 
-/// Bright texels that touch.
-#[derive(Default)]
+/// Bright texels: those that touch, or part of them.
 struct Spot {
+    /// Where they are in the list of all.
+    texels: Range<usize>,
     flux: DVec3,
     solid_angle: f64,
     /// Sum of directions, each by its flux.
     towards: DVec3,
+    /// Angle from the middle to the farthest [rad].
+    reach: f64,
 }
 
 impl Spot {
@@ -61,33 +87,93 @@ impl Spot {
     }
 }
 
-/// Texels that are bright, gathered where they touch, also at corners and across the seam.
-fn spots(map: &Equirect, is_bright: impl Fn(u32, u32) -> bool, excess: impl Fn(Vec3) -> Vec3) -> Vec<Spot> {
-    let (width, height) = (map.width(), map.height());
-    let mut seen = vec![false; (width * height) as usize];
-    let mut spots = Vec::new();
-    for first in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        let mut waiting = vec![first];
-        let mut spot = Spot::default();
-        while let Some((x, y)) = waiting.pop() {
-            let place = (y * width + x) as usize;
-            if seen[place] || !is_bright(x, y) {
-                continue;
+/// What of a map is above a limit. Texels are numbered row by row.
+struct Bright<'a> {
+    map: &'a Equirect,
+    limit: f32,
+}
+
+impl Bright<'_> {
+    fn at_most(&self, texel: Vec3) -> Vec3 {
+        texel * (self.limit / texel.max_element()).min(1.0)
+    }
+
+    fn place(&self, texel: u32) -> (u32, u32) {
+        (texel % self.map.width(), texel / self.map.width())
+    }
+
+    fn radiance(&self, texel: u32) -> Vec3 {
+        let (x, y) = self.place(texel);
+        self.map.radiance().get(x, y)
+    }
+
+    fn direction(&self, texel: u32) -> DVec3 {
+        let (x, y) = self.place(texel);
+        self.map.texel_direction(x, y).as_dvec3()
+    }
+
+    /// All that are bright, and ranges of those that touch, also at corners and across the seam.
+    fn touching(&self) -> (Vec<u32>, Vec<Range<usize>>) {
+        let (width, height) = (self.map.width(), self.map.height());
+        let mut is_left: Vec<bool> =
+            (0..width * height).map(|texel| self.radiance(texel).max_element() > self.limit).collect();
+        let (mut texels, mut ranges) = (Vec::new(), Vec::new());
+        for first in 0..width * height {
+            let begin = texels.len();
+            let mut next = begin;
+            let mut take = |texel: u32, texels: &mut Vec<u32>| {
+                if std::mem::take(&mut is_left[texel as usize]) {
+                    texels.push(texel);
+                }
+            };
+            take(first, &mut texels);
+            // The list is its own queue.
+            while let Some(&texel) = texels.get(next) {
+                next += 1;
+                let (x, y) = self.place(texel);
+                for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
+                    for step in [width - 1, 0, 1] {
+                        take(row * width + (x + step) % width, &mut texels);
+                    }
+                }
             }
-            seen[place] = true;
-            let solid_angle = map.texel_solid_angle(y);
-            let flux = excess(map.radiance().get(x, y)).as_dvec3() * solid_angle;
+            if next > begin {
+                ranges.push(begin..next);
+            }
+        }
+        (texels, ranges)
+    }
+
+    fn spot(&self, texels: &[u32], range: Range<usize>) -> Spot {
+        let mut spot =
+            Spot { texels: range, flux: DVec3::ZERO, solid_angle: 0.0, towards: DVec3::ZERO, reach: 0.0 };
+        let texels = &texels[spot.texels.clone()];
+        for &texel in texels {
+            let radiance = self.radiance(texel);
+            let solid_angle = self.map.texel_solid_angle(self.place(texel).1);
+            let flux = (radiance - self.at_most(radiance)).as_dvec3() * solid_angle;
             spot.flux += flux;
             spot.solid_angle += solid_angle;
-            spot.towards += map.texel_direction(x, y).as_dvec3() * flux.element_sum();
-            let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-            waiting.extend(rows.flat_map(|y| [width - 1, 0, 1].map(|step| ((x + step) % width, y))));
+            spot.towards += self.direction(texel) * flux.element_sum();
         }
-        if spot.solid_angle > 0.0 {
-            spots.push(spot);
-        }
+        let middle = spot.middle();
+        let nearness = texels.iter().map(|&texel| self.direction(texel).dot(middle)).fold(1.0, f64::min);
+        Spot { reach: nearness.max(-1.0).acos(), ..spot }
     }
-    spots
+
+    /// The two halves of a spot, cut between two that are far from one another.
+    fn cut(&self, texels: &mut [u32], spot: &Spot) -> [Spot; 2] {
+        let own = &mut texels[spot.texels.clone()];
+        let farthest = |from: DVec3| {
+            let directions = own.iter().map(|&texel| self.direction(texel));
+            directions.min_by(|a, b| a.dot(from).total_cmp(&b.dot(from))).unwrap_or(from)
+        };
+        let one = farthest(spot.middle());
+        let axis = one - farthest(one);
+        own.sort_unstable_by_key(|&texel| self.direction(texel).dot(axis) < 0.0);
+        let middle = spot.texels.start + own.partition_point(|&texel| self.direction(texel).dot(axis) >= 0.0);
+        [spot.texels.start..middle, middle..spot.texels.end].map(|range| self.spot(texels, range))
+    }
 }
 
 #[cfg(test)]
@@ -125,11 +211,45 @@ mod tests {
 
     #[test]
     fn many_places_become_few_lights_with_all_of_the_light() {
-        let many: Vec<(u32, u32)> = (0..20).map(|i| (3 * i, 10)).collect();
+        let many: Vec<(u32, u32)> = (0..200).map(|i| (3 * (i % 20), 2 + 2 * (i / 20))).collect();
         let many = map(&many);
         let (rest, lights) = clamped(&many, 2.0);
         let flux = rest.flux() + lights.iter().map(DistantLight::flux).sum::<DVec3>();
-        assert_eq!(lights.len(), MOST);
+        assert_eq!(lights.len(), MANY);
         assert!((flux - many.flux()).length() < 1e-5 * many.flux().length());
+    }
+
+    /// A horizon, half a sky and all of one: irradiance is that of the map, whatever the surface looks at.
+    #[test]
+    fn wide_places_are_cut_and_light_from_where_they_are() {
+        let rows =
+            |from: u32, to: u32| (0..64).flat_map(|x| (from..to).map(move |y| (x, y))).collect::<Vec<_>>();
+        for (bright, fewest) in [(rows(15, 17), 8), (rows(0, 16), 20), (rows(0, 32), 40)] {
+            let map = map(&bright);
+            let (rest, lights) = clamped(&map, 1.0);
+            assert!(lights.len() >= fewest && lights.len() <= MOST, "{}", lights.len());
+            let widest = lights.iter().map(|light| light.solid_angle).fold(0.0, f32::max);
+            assert!(widest < 0.5, "{widest}");
+            for normal in
+                [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, -0.8)]
+            {
+                let of_lights: DVec3 = (lights.iter())
+                    .map(|light| light.radiance.as_dvec3() * f64::from(light.irradiance(normal)))
+                    .sum();
+                let of_map = irradiance(&map, normal) - irradiance(&rest, normal);
+                let all = irradiance(&map, Vec3::Y).max(irradiance(&map, Vec3::X));
+                let error = ((of_lights - of_map) / all).abs().max_element();
+                assert!(error < 0.03, "{normal}: {of_lights} is not {of_map}");
+            }
+        }
+    }
+
+    fn irradiance(map: &Equirect, normal: Vec3) -> DVec3 {
+        let texels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
+        let arriving = |(x, y): (u32, u32)| {
+            let cosine = f64::from(map.texel_direction(x, y).dot(normal)).max(0.0);
+            map.radiance().get(x, y).as_dvec3() * (cosine * map.texel_solid_angle(y))
+        };
+        texels.map(arriving).sum()
     }
 }

@@ -12,13 +12,13 @@ settings! {
     pub struct FitSettings in GROUP {
         /// How lights are fitted to the environment.
         method: String = "optimized".to_owned(), choice(method_choices).flag("lights").alias("method");
-        /// Number of lights.
+        /// Number of lights. A fit that covers the whole sphere needs some, and says how many.
         light_count: Option<usize> = None,
             whole(1, MAX_LIGHTS as i64).automatic("the fit's own choice", 64.0).excludes("threshold");
         /// Where the fit stops: disks at a light below this share of those before it (smaller makes more lights), squares and rectangles
         /// grow while a side adds more than this share (larger makes more).
         threshold: Option<f32> = None, between(0.0, 1.0).automatic("the fit's own choice", 0.05).excludes("light_count");
-        /// Largest angular width and height of a light.
+        /// Largest angular width and height of a light. A fit may allow less of the range, and says what.
         max_extent: Option<f32> = None, number(0.0, 360.0).unit("degrees").automatic("the fit's own choice", 30.0);
         /// Where samples are placed.
         sampler: Option<String> = None, choice(sampler_choices).automatic("median-cut", 0.0).only_for("lights", &["samples"]);
