@@ -7,6 +7,7 @@ Every episode has another place of the block and another turn of the environment
 """
 
 import argparse
+from pathlib import Path
 
 import gnomon
 import gymnasium
@@ -19,6 +20,11 @@ STEP = 15.0
 """Largest turn of one step [degrees]."""
 STEPS = 24
 """Of an episode."""
+
+
+def linear(shown):
+    """Linear values of sRGB ones."""
+    return np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
 
 
 class Pointing(gymnasium.Env):
@@ -65,8 +71,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--env", default="room")
     parser.add_argument("--episodes", type=int, default=3)
-    parser.add_argument("-o", "--output", help="folder for the pictures")
+    parser.add_argument("-o", "--output", type=Path, help="folder for the pictures")
     given = parser.parse_args()
+    if given.output:
+        given.output.mkdir(parents=True, exist_ok=True)
     env = Pointing(given.env)
     for episode in range(given.episodes):
         env.reset(seed=episode)
@@ -78,7 +86,7 @@ def main():
             total, is_over = total + reward, is_there or is_late
         print(f"episode {episode}: {env.steps} steps, return {total:.2f}")
         if given.output:
-            gnomon.write(f"{given.output}/{episode}.png", (observation / 255.0) ** 2.2, tone_mapping="linear")
+            gnomon.write(given.output / f"{episode}.png", linear(observation / 255.0), tone_mapping="linear")
 
 
 if __name__ == "__main__":

@@ -38,57 +38,92 @@ def matrices(xforms, scales):
     return found
 
 
+# What is hidden is a point.
+HIDDEN = np.diag([0.0, 0.0, 0.0, 1.0])
+
+
 class GnomonViewer(newton.viewer.ViewerBase):
-    """Meshes become nodes: each instance one, and each mesh that is not hidden, whose vertices may move. Lines and points are not drawn."""
+    """Meshes become nodes: each instance one, and each mesh that is not hidden, whose vertices may move. Lines and points are not drawn, and what
+    is translucent is drawn opaque. Colours and finishes are those of the first frame."""
 
     def __init__(self, environment="room", size=(320, 240), **options):
         super().__init__()
         self.environment, self.size, self.options = gnomon.Environment.load(environment), size, options
         self.renderer, self.scene = gnomon.Renderer(), gnomon.Scene()
-        self.meshes, self.nodes = {}, {}
+        self.meshes, self.nodes, self.shown = {}, {}, {}
         self.radiance = None
-        self.set_camera(wp.vec3(8.0, 0.0, 2.0), -10.0, 180.0)
+        self.view = (8.0, 0.0, 2.0), -10.0, 180.0
 
     @property
     def world(self):
         """From Newton's world to Gnomon's."""
-        is_z_up = self.model is None or newton.Axis.from_any(self.model.up_axis) == newton.Axis.Z
-        return Y_UP if is_z_up else np.eye(4)
+        return Y_UP if self.is_z_up else np.eye(4)
 
-    def set_camera(self, pos, pitch, yaw):
-        """Puts the camera somewhere; it looks along +x of a world with +z up where both angles are 0 [degrees]."""
-        pitch, yaw = np.radians([pitch, yaw])
-        forward = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), np.sin(pitch)])
-        eye, target = (Y_UP[:3, :3] @ place for place in (np.array(pos), np.array(pos) + forward))
+    @property
+    def is_z_up(self):
+        return self.model is None or newton.Axis.from_any(self.model.up_axis) == newton.Axis.Z
+
+    def set_camera(self, pos, pitch=None, yaw=None):
+        """Puts the camera somewhere; it looks along +x where both angles are 0 [degrees]. Those that are not given stay."""
+        _, pitch_before, yaw_before = self.view
+        self.view = tuple(map(float, pos)), pitch_before if pitch is None else pitch, yaw_before if yaw is None else yaw
+
+    @property
+    def camera(self):
+        """As :meth:`set_camera` has put it in the world of the model."""
+        eye, (pitch, yaw) = np.array(self.view[0]), np.radians(self.view[1:])
+        along, aside, up = np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), np.sin(pitch)
+        forward = np.array([along, aside, up] if self.is_z_up else [along, up, aside])
+        eye, target = (self.world[:3, :3] @ place for place in (eye, eye + forward))
         fx = 0.5 * self.size[1] / np.tan(np.radians(FOV_Y) / 2)
-        self.camera = gnomon.Camera(eye=eye.tolist(), target=target.tolist(), fx=fx, size=self.size)
+        return gnomon.Camera(eye=eye.tolist(), target=target.tolist(), fx=fx, size=self.size)
+
+    def hide(self, key):
+        if key in self.nodes:
+            self.scene.set_pose(self.nodes[key], HIDDEN)
 
     def log_mesh(self, name, points, indices, normals=None, uvs=None, texture=None, hidden=False, backface_culling=True, color=None, roughness=None, metallic=None, **kwargs):  # fmt: skip
         vertices, triangles = points.numpy(), indices.numpy().reshape(-1, 3)
         normals = None if normals is None else normals.numpy()
         self.meshes[name] = vertices, triangles, normals
         if hidden:
+            self.hide(name)
             return
+        if name in self.nodes and len(self.scene.vertices(self.nodes[name])) != len(vertices):
+            # A node's triangles stay: another mesh is another node.
+            self.hide(name)
+            del self.nodes[name]
         if name in self.nodes:
             self.scene.set_vertices(self.nodes[name], vertices, normals)
+            self.scene.set_pose(self.nodes[name], self.world)
         else:
-            finish = {key: value for key, value in (("roughness", roughness),) if value is not None}
+            finish = {key: value for key, value in (("roughness", roughness), ("metallic", metallic)) if value is not None}
             self.nodes[name] = self.scene.add_mesh(
                 name, vertices, triangles, normals=normals, pose=self.world, base_color=linear(color or (0.7, 0.7, 0.7)), **finish
             )
 
     def log_instances(self, name, mesh, xforms, scales, colors, materials, hidden=False, opacities=None):
-        if xforms is None or hidden:
-            return
-        xforms = xforms.numpy()
+        xforms = np.zeros((0, 7)) if xforms is None or hidden else xforms.numpy()
+        for number in range(len(xforms), self.shown.get(name, 0)):
+            self.hide(f"{name} {number}")
+        self.shown[name] = len(xforms)
         scales = np.ones((len(xforms), 3)) if scales is None else scales.numpy()
         colors = np.full((len(xforms), 3), 0.7) if colors is None else colors.numpy()
+        # Roughness and metallic share come first.
+        materials = np.tile((0.6, 0.0), (len(xforms), 1)) if materials is None else materials.numpy()
         for number, pose in enumerate(matrices(xforms, scales)):
             key = f"{name} {number}"
             if key not in self.nodes:
                 vertices, triangles, normals = self.meshes[mesh]
+                roughness, metallic = map(float, materials[number][:2])
                 self.nodes[key] = self.scene.add_mesh(
-                    key, vertices, triangles, normals=normals, base_color=linear(colors[number]), roughness=0.6
+                    key,
+                    vertices,
+                    triangles,
+                    normals=normals,
+                    base_color=linear(colors[number]),
+                    roughness=roughness,
+                    metallic=metallic,
                 )
             self.scene.set_pose(self.nodes[key], self.world @ pose)
 

@@ -49,3 +49,30 @@ def test_bodies_are_drawn_where_they_are(viewer):
         assert abs(len(rows) / (np.pi * radius**2) - 1) < 0.06
         for name in ("shape_2 ", "shape_3 "):
             assert (labels == 1 + next(node for key, node in drawn.nodes.items() if name in key)).sum() > 50
+
+
+def test_the_camera_is_in_the_model_s_world_and_what_is_hidden_is_gone(viewer):
+    import newton
+    import warp as wp
+
+    builder = newton.ModelBuilder(up_axis=newton.Axis.Y)
+    body = builder.add_body(xform=wp.transform((0, 1.5, 0), wp.quat_identity()))
+    builder.add_shape_sphere(body, radius=0.3)
+    drawn = viewer.GnomonViewer("room", SIZE, layers=["object"], **QUICK)
+    drawn.set_model(builder.finalize())
+    # Along -x, from a height of 1.5 m.
+    drawn.set_camera((6.0, 1.5, 0.0), 0.0, 180.0)
+    sphere = viewer.gnomon.Scene.load("column")
+    vertices, triangles = sphere.vertices(0), sphere.triangles(0)
+    drawn.log_mesh("sphere", wp.array(vertices, dtype=wp.vec3), wp.array(triangles.flatten(), dtype=wp.int32), hidden=True)
+
+    def seen(places, hidden=False):
+        xforms = wp.array([[*place, 0, 0, 0, 1] for place in places], dtype=wp.transform)
+        drawn.log_instances("two", "sphere", xforms, None, None, None, hidden=hidden)
+        drawn.end_frame()
+        return set(np.unique(drawn.radiance["object"])) - {0}
+
+    both = seen([(0, 1, -1), (0, 1, 1)])
+    assert len(both) == 2 and len(seen([(0, 1, -1)])) == 1
+    assert seen([(0, 1, -1), (0, 1, 1)], hidden=True) == set()
+    assert seen([(0, 1, -1), (0, 1, 1)]) == both

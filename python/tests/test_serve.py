@@ -120,6 +120,16 @@ def labels_of(data):
     return red + 256 * green
 
 
+@pytest.mark.parametrize(
+    "arguments", [["--env", "nope"], ["--env-rotation", "nan"], ["--adapter", "nosuch"], ["--port", "99999"], ["--host", "192.0.2.1"]]
+)
+def test_arguments_that_are_no_good_are_one_line(renderer, arguments, capsys):
+    with pytest.raises(SystemExit) as ended:
+        gnomon.serve.main(["--env", "room", "--port", "0", *arguments])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and said.startswith("python -m gnomon.serve: error: ") and said.count("\n") == 1, said
+
+
 def test_colour_depth_and_labels_are_those_of_the_scene(post, tmp_path):
     status, kind, image = post(fields())
     assert (status, kind) == (200, "image/png")
@@ -136,6 +146,11 @@ def test_colour_depth_and_labels_are_those_of_the_scene(post, tmp_path):
     assert (status, kind) == (200, "image/png")
     labels = labels_of(image)
     assert set(np.unique(labels)) == {300, 7, gnomon.serve.EMPTY}
+    glowing = gltf()
+    for material in glowing["materials"]:
+        material["emissiveFactor"] = [1, 1, 1]
+    status, _, image = post(fields(image_type="label", scene=json.dumps(glowing).encode()))
+    assert status == 200 and (labels_of(image) == labels).all(), "lights of surfaces that glow change no label"
     assert (labels[LEFT], labels[RIGHT], labels[18, 24]) == (300, 7, gnomon.serve.EMPTY)
     # The label on the left has a green byte.
     assert color[LEFT][1] > color[RIGHT][1]
