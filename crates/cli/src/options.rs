@@ -28,6 +28,7 @@ impl<T: FromStr + PartialOrd> FromStr for Numbers<T> {
         let ends = text.split_once("..").map(|(first, last)| (first.trim().parse(), last.trim().parse()));
         match ends {
             Some((Ok(first), Ok(last))) if first <= last => Ok(Self(first..=last)),
+            Some((Ok(_), Ok(_))) => Err("the last comes before the first: expected FIRST..LAST, as in 0..99"),
             _ => Err("expected FIRST..LAST, both included, as in 0..99"),
         }
     }

@@ -38,6 +38,12 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), CliError> {
 /// # Errors
 /// As [`check`].
 pub fn check_pictures(path: &Path, is_sequence: bool) -> Result<(), CliError> {
+    if !is_sequence && path.file_name().is_some_and(|name| name.to_string_lossy().contains("####")) {
+        return Err(CliError::usage(format!(
+            "{}: #### is for a sequence: say how long with --frames or --duration",
+            path.display()
+        )));
+    }
     if !is_sequence || is_film(path) {
         return check(path, if is_sequence { &["png", "exr", "mp4"] } else { &["png", "exr"] });
     }

@@ -72,6 +72,23 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["render", "absent.glb", "--env", "room", "-o", "a.png"], "'absent.glb'"),
         (&["reference", "three-boxes", "--env", "absent.hdr", "-o", "a.exr"], "'absent.hdr'"),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--spp", "0"], "samples"),
+        (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--layers", "uv"], "found; a similar"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a_####.png"], "#### is for a sequence"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--frames", "5..1"], "before the first"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--budget-ms", "-1"], "a number above 0"),
+        (
+            &["render", "three-boxes", "--env", "room", "-o", "a.png", "--check", "-1"],
+            "expected 0 or a number",
+        ),
+        (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--light-count", "-1"], "from 1 to 4096"),
+        (
+            &["render", "three-boxes", "--env", "room", "-o", "a.png", "--camera", "left"],
+            "the scene has no camera",
+        ),
+        (
+            &["render", "three-boxes", "--env", "room", "-o", "a.png", "--background-map", "sky"],
+            "sky is built in",
+        ),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--env-rotation", "nan"], "finite"),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--size", "99999x99999"], "too large"),
         (
@@ -170,6 +187,24 @@ fn wrong_values_of_options_are_one_line_that_says_what_is_allowed() {
     gnomon(folder.path(), &["render", "a.toml", "-o", "a.png"])
         .failed("unknown field `samples`, expected one of `search_samples`");
     assert_eq!(files(folder.path()), ["a.toml"]);
+}
+
+#[test]
+fn options_that_come_to_nothing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = ["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--size", "8x8", "--spp", "2"];
+    let options = ["--env-layer", "x", "--projection", "equirect", "--up", "z", "--unit", "mm"];
+    let run = gnomon(folder.path(), &[&scene[..], &options].concat()).succeeded();
+    for option in ["env-layer", "projection", "up", "unit"] {
+        let told = format!("--{option} has no effect: ");
+        assert_eq!(run.err.matches(&told).count(), 1, "{told}: {}", run.err);
+    }
+    assert!(gnomon(folder.path(), &scene).succeeded().err.is_empty());
+    std::fs::write(folder.path().join("empty.gltf"), r#"{"asset": {"version": "2.0"}}"#).unwrap();
+    let empty = ["reference", "empty.gltf", "--env", "room", "-o", "b.exr", "--size", "8x8", "--spp", "2"];
+    assert!(gnomon(folder.path(), &empty).succeeded().err.contains("nothing will be seen"));
+    let beyond = ["compare", "a.exr", "a.exr", "--region", "corner=6,6,4x1"];
+    assert!(gnomon(folder.path(), &beyond).succeeded().err.contains("corner reaches beyond"));
 }
 
 /// As in `gnomon info | head -1`: the reader goes away, and that is no failure.

@@ -47,7 +47,17 @@ pub fn write<E: From<io::Error>>(
     beside.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
     let beside = target.with_file_name(beside);
 
-    let file = OpenOptions::new().write(true).create_new(true).open(&beside)?;
+    let file = OpenOptions::new().write(true).create_new(true).open(&beside).map_err(|error| {
+        // Of the file beside it, which nobody has named: file systems without room for any say that it is not there.
+        let has_folder =
+            beside.parent().is_some_and(|folder| folder.as_os_str().is_empty() || folder.is_dir());
+        match error.kind() {
+            io::ErrorKind::NotFound if has_folder => {
+                io::Error::new(io::ErrorKind::PermissionDenied, "its folder takes no new files")
+            }
+            _ => error,
+        }
+    })?;
     let mut unfinished = Unfinished(Some(beside.clone()));
     finish(file, fill)?;
     fs::rename(&beside, &target)?;

@@ -24,10 +24,10 @@ pub enum ReferenceError {
         height: u32,
     },
     /// Zero samples per pixel.
-    #[error("0 samples per pixel give no picture: ask for at least 2 (1 is taken as 2)")]
+    #[error("a picture needs samples: ask for 2 a pixel at least")]
     NoSamples,
     /// The camera's matrix or lens is unusable.
-    #[error("the camera {name:?} cannot be used: {reason}")]
+    #[error("the camera{} cannot be used: {reason}", named(.name))]
     BadCamera {
         /// The camera's name.
         name: String,
@@ -43,4 +43,9 @@ pub enum ReferenceError {
     /// The caller asked to stop.
     #[error("the reference was cancelled")]
     Cancelled,
+}
+
+/// A name as it follows what has it, where it has one.
+fn named(name: &str) -> String {
+    if name.is_empty() { String::new() } else { format!(" {name:?}") }
 }

@@ -89,8 +89,8 @@ settings! {
         strength: f32 = 1.0, number(0.0, 1e6).flag("env-strength");
         /// Factor of each of its colors.
         tint: [f32; 3] = [1.0, 1.0, 1.0], color().flag("env-tint");
-        /// Largest radiance of the map that lights: what texels have above it becomes lights beside it, eight at most, with all of that light. The
-        /// camera sees the whole map.
+        /// Clamp the map that lights at this radiance, before its strength and tint; what is above it becomes lights, up to 64 where it is wide.
+        /// The camera sees the whole map.
         clamp: Option<f32> = None, number(1e-9, 1e9).automatic("none", 10.0).flag("env-clamp");
         /// Lights in its place: a light rig as gnomon decompose writes it, edited or not. An environment that is given is then only seen
         /// behind the scene, else the rig's own map is.
@@ -133,7 +133,7 @@ settings! {
         ground: Ground = Ground::None, choice(Ground::choices).varies("fade for glTF, OBJ, PLY and STL files that bring no ground, none for others");
         /// Height of the environment's camera over a projected ground: what is seen in the environment straight below it lies there.
         ground_camera_height: f32 = CAMERA_HEIGHT, number(1e-6, 1e6).unit("m").only_for("ground", &["projected"]);
-        /// What becomes of surfaces that emit light: of 32 flat parts at most, which become 64 lights at most.
+        /// What becomes of surfaces that emit light. Up to 32 flat parts become up to 64 lights.
         emission: Emission = Emission::Lights, choice(Emission::choices);
         /// Factor of the light of the scene's own lights, those of glTF files in candela and lux; 0 leaves them out.
         lamp_strength: f32 = 1.0, number(0.0, 1e6);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by it")]
 
-use gnomon_options::markdown;
+use gnomon_options::{markdown, specs};
 use gnomon_studio::Look;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scene-files/SCENE_FORMAT.md");
@@ -18,9 +18,14 @@ fn the_description_is_that_of_the_options() {
         markdown("environment", &look.environment),
         markdown("animation", &look.animation),
         markdown("fit", &look.fit),
-        markdown("render", &(look.lighting, look.techniques)),
+        markdown("render", &(look.paths, (look.lighting, look.techniques))),
         markdown("display", &(look.picture, look.display)),
     ];
+    // Tables that nobody has listed above would be missed in the page and in what is made.
+    for spec in specs::<Look>() {
+        let told = format!("| `{}`", spec.key);
+        assert!(tables.iter().any(|table| table.contains(&told)), "{told} is in no table");
+    }
     let text = std::fs::read_to_string(FILE).unwrap();
     let (before, rest) = text.split_once(FROM).unwrap();
     let (_, after) = rest.split_once(TO).unwrap();

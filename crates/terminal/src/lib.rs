@@ -170,12 +170,18 @@ fn explain(program: &str, error: &clap::Error) -> Result<(), TerminalError> {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand => {
             Err(TerminalError::Usage(format!("no command given (see {program} --help)")))
         }
-        _ => {
-            let message = text.split("\nUsage:").next().unwrap_or_default();
-            let message = message.trim_start_matches("error: ").split("\nFor more information").next();
-            Err(TerminalError::Usage(format!("{} (see --help)", one_line(message.unwrap_or_default()))))
-        }
+        _ => Err(TerminalError::Usage(format!("{} (see --help)", one_line(&complaint(&text))))),
     }
+}
+
+/// What is wrong, of all that clap says, with its tip. How to pass for a file what was meant as an option is none.
+fn complaint(text: &str) -> String {
+    let text = text.split("\nUsage:").next().unwrap_or_default();
+    let text = text.trim_start_matches("error: ").split("\nFor more information").next().unwrap_or_default();
+    let (what, tips) = text.split_once("\n\n  tip: ").unwrap_or((text, ""));
+    let tips = tips.split("\n  tip: ").map(str::trim);
+    let helpful = tips.filter(|tip| !tip.is_empty() && !tip.starts_with("to pass "));
+    std::iter::once(what.trim()).chain(helpful).collect::<Vec<_>>().join("; ")
 }
 
 #[cfg(test)]
@@ -187,6 +193,22 @@ mod tests {
     struct Outer {
         text: &'static str,
         source: TerminalError,
+    }
+
+    #[test]
+    fn tips_are_set_apart_and_only_those_that_help() {
+        let said = |text: &str| {
+            complaint(&format!("error: {text}\n\nUsage: a <B>\n\nFor more information, try '--help'.\n"))
+        };
+        assert_eq!(
+            said("unexpected argument '-1' found\n\n  tip: to pass '-1' as a value, use '-- -1'"),
+            "unexpected argument '-1' found"
+        );
+        assert_eq!(
+            said("unexpected argument '--layers' found\n\n  tip: a similar argument exists: '--paper'"),
+            "unexpected argument '--layers' found; a similar argument exists: '--paper'"
+        );
+        assert_eq!(said("a value is required"), "a value is required");
     }
 
     #[test]

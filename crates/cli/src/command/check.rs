@@ -15,12 +15,12 @@ use crate::error::CliError;
 pub struct CheckArgs {
     /// Ray-trace so many pixels of the picture and tell by them how far it is off: relative RMSE and its standard error; 0 for none [default: 256, 0
     /// for a sequence and for more than four million triangles]
-    #[arg(long, value_name = "N", value_parser = pixels, conflicts_with = "debug")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = pixels, conflicts_with = "debug")]
     check: Option<usize>,
 
     /// Draw with the cheapest lights, shadow maps and samples whose checked error, its uncertainty included, is at most this share (0.02 or 2%);
     /// options that are given stay
-    #[arg(long, value_name = "SHARE", value_parser = share,
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = share,
         conflicts_with_all = ["target_fps", "budget_ms", "frames", "duration", "debug"])]
     max_error: Option<f64>,
 }

@@ -97,6 +97,16 @@ pub fn run(args: &CompareArgs, terminal: Terminal) -> Result<(), CliError> {
     let shown = Exposure::Stops(comparison.exposure);
     let mut regions = Map::new();
     for region in &args.regions {
+        let [right, bottom] = [(region.x, region.width), (region.y, region.height)]
+            .map(|(first, count)| u64::from(first) + u64::from(count));
+        if right > u64::from(mask.width()) || bottom > u64::from(mask.height()) {
+            terminal.warn(&format!(
+                "the region {} reaches beyond the picture of {} x {}: only what lies inside is measured",
+                region.name,
+                mask.width(),
+                mask.height()
+            ));
+        }
         let inside = compare_displayed(&picture, &reference, Some(&mask.within(region)), shown)?;
         let figures = serde_json::to_value(inside).unwrap_or_default();
         regions.insert(region.name.clone(), figures);

@@ -12,11 +12,11 @@ use crate::options::positive;
 pub struct LevelOfDetailArgs {
     /// Frames a second to hold: chooses lights, shadow maps and shadow sampling from measured times, with at most the detail that
     /// --light-count (200 where not given), --shadow-resolution and --shadow-sampling ask for
-    #[arg(long, value_name = "FPS", conflicts_with_all = ["budget_ms", "threshold", "frames", "duration"], value_parser = positive)]
+    #[arg(long, value_name = "FPS", conflicts_with_all = ["budget_ms", "threshold", "frames", "duration"], allow_negative_numbers = true, value_parser = positive)]
     target_fps: Option<f32>,
 
     /// The same, as milliseconds a frame
-    #[arg(long, value_name = "MS", conflicts_with_all = ["threshold", "frames", "duration"], value_parser = positive)]
+    #[arg(long, value_name = "MS", conflicts_with_all = ["threshold", "frames", "duration"], allow_negative_numbers = true, value_parser = positive)]
     budget_ms: Option<f32>,
 }
 

@@ -24,7 +24,7 @@ pub struct ReferenceArgs {
     #[command(flatten)]
     inputs: InputArgs,
 
-    /// Where the picture goes; of a sequence a name with #### in the place of the frame's number, or a film
+    /// Where the picture goes; of a sequence a name with #### in the place of the frame's number (else _#### is put before the extension), or a film
     #[arg(short, long, value_name = "OUT.{exr,png,mp4}")]
     output: PathBuf,
 
@@ -55,7 +55,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     if let Some(path) = &args.variance {
         output::check(path, &["exr"])?;
     }
-    let stage = stage(args.inputs.project(&Given::default())?, terminal)?;
+    let stage = stage(args.inputs.project(&Given::default(), terminal)?, terminal)?;
     let options = ReferenceOptions {
         width: stage.look().picture.size[0],
         height: stage.look().picture.size[1],

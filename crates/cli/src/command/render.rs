@@ -35,7 +35,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     inputs: InputArgs,
 
-    /// Where the picture goes; of a sequence a name with #### in the place of the frame's number, or a film
+    /// Where the picture goes; of a sequence a name with #### in the place of the frame's number (else _#### is put before the extension), or a film
     #[arg(short, long, value_name = "OUT.{png,exr,mp4}")]
     output: PathBuf,
 
@@ -62,7 +62,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "VIEW", help = views(), conflicts_with_all = ["frames", "duration", "stats"])]
     debug: Option<String>,
 
-    /// The light that a view of one is about, from 0 in the order of the fit
+    /// The light that a view of one is about, from 0 in the order of the fit, the scene's own last
     #[arg(long, value_name = "N", default_value_t = 0, requires = "debug")]
     debug_light: usize,
 
@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     for (path, extension) in [(&args.stats, "json"), (&args.save_scene, "toml")] {
         path.as_ref().map_or(Ok(()), |path| output::check(path, &[extension]))?;
     }
-    let project = args.inputs.project(&args.gpu.look.given)?;
+    let project = args.inputs.project(&args.gpu.look.given, terminal)?;
     let gpu_options = GpuOptions { adapter: args.gpu.adapter.clone() };
     let mut stage = stage(project, terminal)?;
     let settled = match args.level_of_detail.budget_ms() {
@@ -122,6 +122,14 @@ pub fn run(args: &RenderArgs, terminal: Terminal) -> Result<(), CliError> {
     let mut studio = Studio::new(&Gpu::new(&gpu_options)?, stage)?;
     studio.take_warnings().iter().for_each(|warning| terminal.warn(warning));
     if let Some(view) = &args.debug {
+        let count = studio.renderer().light_count();
+        if DEBUG_VIEWS.iter().any(|known| known.of_light && known.name == *view) && args.debug_light >= count
+        {
+            return Err(CliError::usage(format!(
+                "there is no light {}: --debug-light takes the number of one of {count}, from 0",
+                args.debug_light
+            )));
+        }
         studio.renderer().set_debug_view(view, args.debug_light)?;
     }
     let mut checked = None;

@@ -3,9 +3,11 @@ use std::path::Path;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use gnomon::brdf::{FINISH, Model, Parameter};
-use gnomon::options::Given;
-use gnomon::scene::{Camera, ReflectanceSettings, builtin};
-use gnomon::scene_files::{self, read_camera};
+use gnomon::lights::fit::FitSettings;
+use gnomon::options::{Given, OptionSpec, specs};
+use gnomon::renderer::Reflections;
+use gnomon::scene::{Camera, ReflectanceSettings, Scene, builtin};
+use gnomon::scene_files::{self, EnvironmentSource, read_camera};
 use gnomon::studio::{CameraLook, Look, Paper, Project, Stage, environment_named};
 use gnomon_terminal::Terminal;
 
@@ -43,11 +45,15 @@ pub struct InputArgs {
 }
 
 impl InputArgs {
-    /// Loads the scene, with a look of what its file says and what the command line says in its place, here and in `given`.
+    /// Loads the scene, with a look of what its file says and what the command line says in its place, here and in `given`. Options that come to
+    /// nothing beside others are told as warnings.
     ///
     /// # Errors
     /// Files that cannot be used, names of nothing, no environment.
-    pub fn project(&self, given: &Given) -> Result<Project, CliError> {
+    pub fn project(&self, given: &Given, terminal: Terminal) -> Result<Project, CliError> {
+        for warning in self.idle(&self.look.given.with(given)) {
+            terminal.warn(&warning);
+        }
         let paper = self.paper.as_deref().and_then(Paper::from_name).unwrap_or_default();
         let given = paper.given().with(&self.look.given).with(given);
         let mut project = Project::open(&self.scene, Look::default(), &given)?;
@@ -58,9 +64,17 @@ impl InputArgs {
         }
         if !look.has_environment() {
             return Err(CliError::usage(format!(
-                "{} brings no environment: give one with --env (a file, or {})",
+                "{} brings no environment: give one with --env (a file, or {}), with --env-strength 0 for darkness",
                 self.scene,
                 builtin_names()
+            )));
+        }
+        if let Some(name) = &look.environment.background_map
+            && matches!(environment_named(name), EnvironmentSource::Builtin(_))
+            && !Path::new(name).exists()
+        {
+            return Err(CliError::usage(format!(
+                "--background-map takes the file of a map, and {name} is built in: only --env takes its name"
             )));
         }
         if let Some(reflectance) = &self.reflectance {
@@ -71,10 +85,39 @@ impl InputArgs {
             let is_named = project.scene.cameras.iter().any(|camera| camera.name == *text);
             look.camera = match is_named {
                 true => CameraLook::Named(text.clone()),
-                false => CameraLook::Free(camera_named(text)?),
+                false => CameraLook::Free(camera_named(text, &project.scene)?),
             };
         }
         Ok(project)
+    }
+
+    /// What is given and has no effect, a line each.
+    fn idle(&self, given: &Given) -> Vec<String> {
+        let is_builtin = |name: &str| matches!(environment_named(name), EnvironmentSource::Builtin(_));
+        let names = |specs: Vec<&OptionSpec>| specs.iter().map(|spec| spec.name()).collect::<Vec<_>>();
+        let mut cases = Vec::new();
+        if given.has("rig") {
+            cases.push((names(specs::<FitSettings>()), "--rig brings the lights"));
+        }
+        if self.env.as_deref().is_some_and(is_builtin) {
+            let read = vec!["env-layer".to_owned(), "projection".to_owned()];
+            cases.push((read, "the environment is built in and no file"));
+        }
+        if builtin::NAMES.contains(&self.scene.as_str()) {
+            let meant = vec!["up".to_owned(), "unit".to_owned()];
+            cases.push((meant, "the scene is built in and no file"));
+        }
+        let mut told = Vec::new();
+        for (options, why) in cases {
+            let idle = options.iter().filter(|name| given.has(name));
+            told.extend(idle.map(|name| format!("--{name} has no effect: {why}")));
+        }
+        let mut look = Look::default();
+        given.apply(&mut look);
+        if given.has("rig") && given.has("reflections") && look.paths.reflections == Reflections::Scene {
+            told.push("--reflections scene has no effect: of a rig only the lights are reflected".to_owned());
+        }
+        told
     }
 }
 
@@ -118,7 +161,18 @@ pub fn stage(project: Project, terminal: Terminal) -> Result<Stage, CliError> {
 }
 
 /// The camera that a user describes, `eye=x,y,z;target=x,y,z;fov=degrees` (horizontal), or else a camera file by its path.
-fn camera_named(text: &str) -> Result<Camera, CliError> {
+fn camera_named(text: &str, scene: &Scene) -> Result<Camera, CliError> {
     let path = Path::new(text);
-    Ok(if text.contains('=') && !path.exists() { text.parse()? } else { read_camera(path)? })
+    if path.exists() {
+        return Ok(read_camera(path)?);
+    }
+    if text.contains('=') {
+        return Ok(text.parse()?);
+    }
+    let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let known = match names.is_empty() {
+        true => "the scene has no camera".to_owned(),
+        false => format!("the scene's cameras are {}", names.join(", ")),
+    };
+    Err(CliError::usage(format!("there is no camera '{text}': no such file, and {known}")))
 }

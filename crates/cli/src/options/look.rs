@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use gnomon::lights::fit::FitSettings;
-use gnomon::options::{Given, Kind, OptionError, OptionSpec, OptionValue, Options, specs};
+use gnomon::options::{Given, OptionError, OptionSpec, OptionValue, Options, specs};
 use gnomon::renderer::{DisplaySettings, LightPaths, LightingSettings, TechniqueSettings};
 use gnomon::studio::{AnimationLook, EnvironmentLook, Look, PictureSettings, SceneLook};
 
@@ -104,7 +104,8 @@ fn argument(spec: &'static OptionSpec, default: &OptionValue, all: &[&'static Op
         .help_heading(spec.heading())
         // Parameters of techniques are many: `--help` shows them, `-h` does not.
         .hide_short_help(!spec.group.table.is_empty())
-        .allow_negative_numbers(matches!(spec.kind, Kind::Number { .. } | Kind::Angle));
+        // Where none is allowed, the option says what is.
+        .allow_negative_numbers(true);
     if let Some(alias) = spec.alias.filter(|alias| *alias != spec.name()) {
         argument = argument.visible_alias(alias);
     }

@@ -15,11 +15,11 @@ pub struct SequenceArgs {
     frames: Option<Numbers<u32>>,
 
     /// Draw a sequence of so many seconds, from frame 0 on; with --frames those of it
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = positive)]
     duration: Option<f32>,
 
     /// Frames a second of a sequence [default: 25]
-    #[arg(long, value_name = "F", value_parser = positive)]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = positive)]
     fps: Option<f32>,
 
     /// Turn the camera about the vertical through the scene's middle by so many degrees a second

@@ -12,7 +12,7 @@ static GROUP: Group =
 settings! {
     /// Parameters of shadow rays.
     pub struct RaySettings in GROUP {
-        /// Rays to a light from every point; up to four times as many to one that gives more light than the others, fewer to one that gives
+        /// Rays to a light from every point; up to four times as many to one that gives more light than the others and to the scene's own, fewer to one that gives
         /// less.
         samples: u32 = 16, whole(1, 64);
     }

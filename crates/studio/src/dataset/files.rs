@@ -56,6 +56,9 @@ impl DatasetFiles {
         if shard == Some(0) {
             return Err(StudioError::Request("a shard holds at least one item".to_owned()));
         }
+        if folder.is_file() {
+            return Err(StudioError::Request(format!("{} is a file: items need a folder", folder.display())));
+        }
         let written = |source| StudioError::Write { path: folder.to_owned(), source };
         fs::create_dir_all(folder).map_err(written)?;
         Ok(Self { folder: folder.to_owned(), shard, digest })

@@ -95,6 +95,11 @@ impl Manifest {
         })?;
         let (head, of_items): (Table, Table) =
             table.clone().into_iter().partition(|(key, _)| HEAD_KEYS.contains(&key.as_str()));
+        for (key, value) in &head {
+            let one = toml::Value::Table(Table::from_iter([(key.clone(), value.clone())]));
+            one.try_into::<Head>()
+                .map_err(|error| at(format!("`{key}`: {}", gnomon_messages::quoted(error.message()))))?;
+        }
         let head: Head = toml::Value::Table(head)
             .try_into()
             .map_err(|error: toml::de::Error| at(gnomon_messages::quoted(error.message())))?;
