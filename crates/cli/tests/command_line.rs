@@ -83,7 +83,7 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--light-count", "-1"], "from 1 to 4096"),
         (
             &["render", "three-boxes", "--env", "room", "-o", "a.png", "--camera", "left"],
-            "the scene has no camera",
+            "the scene's cameras are camera",
         ),
         (
             &["render", "three-boxes", "--env", "room", "-o", "a.png", "--background-map", "sky"],
