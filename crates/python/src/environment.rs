@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnomon::envmap::{from_bytes, from_picture};
+use gnomon::envmap::{Equirect, from_bytes, from_picture};
 use gnomon::options::OptionSpec;
 use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::studio::{
@@ -49,6 +49,11 @@ impl Environment {
         let (source, keywords) = (Arc::new(py.None()), Arc::new(PyDict::new(py).unbind()));
         Ok(Self { surroundings, look, warnings, source, keywords })
     }
+
+    /// The map that lights, with its strength and tint.
+    fn map(&self) -> Equirect {
+        self.surroundings.map().times(self.look.environment.grade().light)
+    }
 }
 
 fn read(source: Source, look: &Look) -> Result<(Surroundings, Vec<String>), StudioError> {
@@ -66,7 +71,7 @@ fn read(source: Source, look: &Look) -> Result<(Surroundings, Vec<String>), Stud
             (map, if changed > 0 { vec![warning] } else { Vec::new() })
         }
     };
-    Ok((Surroundings::from(Arc::new(map)).graded(&look.environment), warnings))
+    Ok((Surroundings::from(Arc::new(map)).clamped(&look.environment), warnings))
 }
 
 #[pymethods]
@@ -137,7 +142,7 @@ impl Environment {
 
     #[getter]
     fn radiance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        arrays::picture(py, self.surroundings.map().radiance())
+        arrays::picture(py, self.map().radiance())
     }
 
     #[getter]
@@ -146,7 +151,7 @@ impl Environment {
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let shown = tone_mapped(self.surroundings.map().radiance(), ToneMapping::default(), self.exposure());
+        let shown = tone_mapped(self.map().radiance(), ToneMapping::default(), self.exposure());
         crate::picture::encoded(py, &shown)
     }
 

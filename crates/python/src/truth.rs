@@ -42,7 +42,7 @@ pub fn reference<'py>(
             progress: Some(&tell),
             cancel: Some(job.cancel()),
         };
-        Ok(render(&scene, &camera, stage.surroundings().sky(), &options)?)
+        Ok(render(&scene, &camera, stage.sky(), &options)?)
     })?;
     let mean = arrays::picture(py, &estimate.mean)?;
     match variance {

@@ -193,23 +193,18 @@ impl Item {
         Ok(Self { scene, scene_options, environment, environment_options, view, pose, material, look })
     }
 
-    /// What items have in common that are best drawn one after another: first the environment, then the scene.
+    /// What items have in common that are best drawn one after another: first the environment, whose turn and grade need no other lights, then the
+    /// scene.
     pub fn group(&self) -> (String, String) {
-        let options = without_turn(&self.environment_options);
+        let mut look = Look::default();
+        self.environment_options.apply(&mut look.environment);
+        let options = look.environment.shown_as(&EnvironmentLook::default());
         (format!("{:?} {options:?}", self.environment), self.scene_key())
     }
 
     fn scene_key(&self) -> String {
         format!("{} {:?}", self.scene, self.scene_options)
     }
-}
-
-/// Options of an environment but for its turn, which needs no other lights.
-fn without_turn(given: &Given) -> Look {
-    let mut look = Look::default();
-    given.apply(&mut look.environment);
-    look.environment.rotation = 0.0;
-    look
 }
 
 fn view(mut table: Table) -> Result<View, StudioError> {
