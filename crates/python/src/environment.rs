@@ -16,7 +16,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::error::refused;
 use crate::{arrays, keywords, work};
 
-/// What is infinitely far around a scene. It does not change; a turn is another one that shares its map.
+/// What is infinitely far around a scene. It does not change; a turn, strength or tint is another one that shares its map.
 #[pyclass(frozen, from_py_object, module = "gnomon")]
 #[derive(Clone)]
 pub struct Environment {
@@ -29,8 +29,8 @@ pub struct Environment {
     keywords: Arc<Py<PyDict>>,
 }
 
-/// What a pickled environment is restored from: source, options, turn.
-type Pickled = (Py<PyAny>, Py<PyDict>, f32);
+/// What a pickled environment is restored from: source, options, turn, strength, tint.
+type Pickled = (Py<PyAny>, Py<PyDict>, f32, f32, [f32; 3]);
 
 /// What an environment is read from.
 enum Source {
@@ -130,6 +130,18 @@ impl Environment {
         Ok(other)
     }
 
+    /// The same of another strength or tint: what is not given stays as it is.
+    #[pyo3(signature = (**options))]
+    fn graded(&self, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let key = |spec: &OptionSpec| match spec.key {
+            "strength" | "tint" => spec.key.to_owned(),
+            _ => String::new(),
+        };
+        let mut other = self.clone();
+        keywords::given::<EnvironmentLook>(options, key)?.apply(&mut other.look.environment);
+        Ok(other)
+    }
+
     #[getter]
     fn rotation(&self) -> f32 {
         self.look.environment.rotation
@@ -177,7 +189,8 @@ impl Environment {
             ));
         }
         let restore = slf.get_type().getattr("_restored")?;
-        Ok((restore, (this.source.clone_ref(py), this.keywords.clone_ref(py), this.rotation())))
+        let EnvironmentLook { rotation, strength, tint, .. } = this.look.environment;
+        Ok((restore, (this.source.clone_ref(py), this.keywords.clone_ref(py), rotation, strength, tint)))
     }
 
     #[staticmethod]
@@ -186,7 +199,11 @@ impl Environment {
         source: &Bound<'_, PyAny>,
         keywords: &Bound<'_, PyDict>,
         rotation: f32,
+        strength: f32,
+        tint: [f32; 3],
     ) -> PyResult<Self> {
-        Self::load(py, source, Some(keywords))?.rotated(rotation)
+        let mut restored = Self::load(py, source, Some(keywords))?.rotated(rotation)?;
+        (restored.look.environment.strength, restored.look.environment.tint) = (strength, tint);
+        Ok(restored)
     }
 }
