@@ -186,9 +186,9 @@ def main():
                     digests[f"killed {engine}"] = digest(f"{folder}-{engine}")
                     print(f"{engine}, killed {KILLS} times: {digests[f'killed {engine}']}", flush=True)
                 continue
-            clock, _ = run(getattr(ways, name)(folder))
+            clock, processors = run(getattr(ways, name)(folder))
             digests[name] = digest(folder)
-            print(f"{name}: {given.items / clock:.1f} items/s, {clock:.0f} s; {digests[name]}", flush=True)
+            print(f"{name}: {given.items / clock:.1f} items/s, {clock:.0f} s, {processors:.0f} s of processors; {digests[name]}", flush=True)
     if len(set(digests.values())) > 1:
         raise SystemExit("the digests differ")
 

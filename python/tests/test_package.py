@@ -161,13 +161,22 @@ def test_other_threads_go_on_and_progress_can_stop_the_work(boxes, room):
         gnomon.reference(boxes, None, room, (512, 384), samples=4096, progress=stop)
 
 
-def test_ctrl_c_stops():
-    code = """if True:
+@pytest.mark.parametrize(
+    "work",
+    [
+        "gnomon.reference(boxes, None, room, (2048, 1536), samples=1 << 20)",
+        "gnomon.check(noise, boxes, None, room, pixels=1 << 20)",
+    ],
+)
+def test_ctrl_c_stops(work):
+    code = f"""if True:
         import gnomon
+        import numpy as np
         boxes, room = gnomon.Scene.load("three-boxes"), gnomon.Environment.load("room")
+        noise = np.random.default_rng(1).random((768, 1024, 3))
         print("ready", flush=True)
         try:
-            gnomon.reference(boxes, None, room, (2048, 1536), samples=1 << 20)
+            {work}
         except KeyboardInterrupt:
             print("stopped", flush=True)
     """

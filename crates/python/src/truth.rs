@@ -66,6 +66,6 @@ pub fn check<'py>(
     let radiance = arrays::to_picture(radiance, "the picture")?;
     let size = [radiance.width(), radiance.height()];
     let view = View::of(scene, camera, environment, Some(Size(size)), options)?;
-    let error = work::run(py, None, |_| view.stage()?.check(&radiance, pixels))?;
+    let error = work::run(py, None, |job| view.stage()?.check_until(&radiance, pixels, job.cancel()))?;
     picture::document(py, &error)
 }

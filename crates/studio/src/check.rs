@@ -31,6 +31,19 @@ impl Stage {
     pub fn check(&self, radiance: &RgbImage, pixels: usize) -> Result<SampledError, StudioError> {
         Truth::of(self)?.check(radiance, pixels, None)
     }
+
+    /// The same, given up once `cancel` is set.
+    ///
+    /// # Errors
+    /// As [`Stage::check`], and [`gnomon_reference::ReferenceError::Cancelled`].
+    pub fn check_until(
+        &self,
+        radiance: &RgbImage,
+        pixels: usize,
+        cancel: &AtomicBool,
+    ) -> Result<SampledError, StudioError> {
+        Truth::of(self)?.check(radiance, pixels, Some(cancel))
+    }
 }
 
 /// What the truth of a picture depends on.
