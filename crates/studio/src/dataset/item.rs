@@ -325,3 +325,26 @@ impl Stages {
         Ok(surroundings)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Another pose, turn, strength or tint leaves the surroundings where they are: a session then makes no other lights.
+    #[test]
+    fn items_that_differ_in_how_light_is_shown_share_it() {
+        let item = |environment: &str| {
+            let text =
+                format!("scene = {{ file = 'column' }}\nenvironment = {{ file = 'room', {environment} }}");
+            Item::new(text.parse().unwrap()).unwrap()
+        };
+        let (plain, clamped) = (item("rotation = 5.0"), item("clamp = 2.0"));
+        let graded = item("rotation = 40.0, strength = 1.5, tint = [1.0, 0.5, 0.25]");
+        let mut stages = Stages::new(Path::new("."));
+        let [first, second, other] = [&plain, &graded, &clamped].map(|item| stages.stage(item).unwrap());
+        assert_eq!(plain.group(), graded.group());
+        assert_ne!(plain.group(), clamped.group());
+        assert!(first.surroundings().is(second.surroundings()) && first.grade() != second.grade());
+        assert!(!first.surroundings().is(other.surroundings()));
+    }
+}
