@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
-use gnomon_envmap::{Equirect, LoadOptions, builtin, load};
+use gnomon_envmap::{Equirect, Grade, LoadOptions, builtin, load};
 use gnomon_lights::fit::FitSettings;
 use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet, clamped};
 use gnomon_messages::quoted;
@@ -26,7 +26,7 @@ pub fn environment_named(name: &str) -> EnvironmentSource {
     }
 }
 
-/// What is infinitely far around a scene, as its look has it but for its turn.
+/// What is infinitely far around a scene, as its look has it but for its turn and its grade ([`Stage::grade`]): these change nothing that is made of it.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     /// What lights, but for `lights`.
@@ -74,9 +74,9 @@ impl Surroundings {
     }
 
     /// For the reference.
-    pub fn sky(&self) -> Sky<'_> {
+    pub(crate) fn sky(&self, grade: Grade) -> Sky<'_> {
         let background = self.background.as_ref().unwrap_or(&self.map);
-        Sky { map: &self.map, lights: &self.lights, background }
+        Sky { map: &self.map, lights: &self.lights, background, grade }
     }
 
     /// What a fit takes for a scene under these.
@@ -112,7 +112,7 @@ impl Surroundings {
     }
 }
 
-/// Reads or makes the surroundings of a look as they are, not turned; with what had to be repaired, a line each.
+/// Reads or makes the surroundings of a look as they are, neither turned nor graded; with what had to be repaired, a line each.
 ///
 /// # Errors
 /// Unreadable files, pictures of no known layout, names of nothing, rigs that cannot be.
@@ -144,7 +144,7 @@ impl Reader<'_> {
             Some(rig) => self.rig(Path::new(rig), look)?,
             None => self.environment(look)?.into(),
         };
-        surroundings = surroundings.clamped(environment).graded(environment);
+        surroundings = surroundings.clamped(environment);
         if let Some(background) = &environment.background_map {
             surroundings.background =
                 Some(Arc::new(self.map(Path::new(background), LoadOptions::default())?));
@@ -223,7 +223,8 @@ const BLACK: (u32, u32) = (8, 4);
 
 impl Surroundings {
     /// The same with the brightest light of the map as lights, as a look asks for. The camera sees the whole map.
-    fn clamped(mut self, look: &EnvironmentLook) -> Self {
+    #[must_use]
+    pub fn clamped(mut self, look: &EnvironmentLook) -> Self {
         let Some(limit) = look.clamp else { return self };
         let (map, lights) = clamped(&self.map, limit);
         if !lights.is_empty() {
@@ -233,26 +234,6 @@ impl Surroundings {
         }
         self
     }
-
-    /// The same with all light multiplied as a look asks for.
-    #[must_use]
-    pub fn graded(mut self, look: &EnvironmentLook) -> Self {
-        if !look.is_graded() {
-            return self;
-        }
-        let factor = look.strength * Vec3::from(look.tint);
-        self.map = graded(&self.map, factor);
-        self.background = self.background.as_deref().map(|map| graded(map, factor));
-        self.unclamped = self.unclamped.as_deref().map(|map| graded(map, factor));
-        self.lights = self.lights.iter().map(|light| light.times(factor)).collect();
-        self
-    }
-}
-
-fn graded(map: &Equirect, factor: Vec3) -> Arc<Equirect> {
-    let radiance = map.radiance();
-    let texel = |x, y| (radiance.get(x, y) * factor).min(Vec3::MAX);
-    Arc::new(Equirect::new(RgbImage::from_fn(map.width(), map.height(), texel)))
 }
 
 fn no_environment(name: &str, names: &str) -> StudioError {

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use glam::Vec3;
 use gnomon_brdf::Surface;
-use gnomon_envmap::{LoadOptions, Projection};
+use gnomon_envmap::{Grade, LoadOptions, Projection};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{
     Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, color, file, number, settings,
@@ -101,9 +102,11 @@ settings! {
 }
 
 impl EnvironmentLook {
-    /// Whether its light is not as its files have it.
-    pub(crate) fn is_graded(&self) -> bool {
-        (self.strength, self.tint) != (1.0, [1.0; 3])
+    /// What the environment's radiance is multiplied by. A background of its own is seen as it is.
+    pub fn grade(&self) -> Grade {
+        let light = self.strength * Vec3::from(self.tint);
+        let background = if self.background_map.is_some() { Vec3::ONE } else { light };
+        Grade { light, background }
     }
 
     /// With other paths of its files.
@@ -113,9 +116,9 @@ impl EnvironmentLook {
         Ok(Self { rig, background_map, ..self.clone() })
     }
 
-    /// Takes over another's turn.
-    fn turned_as(&self, other: &Self) -> Self {
-        Self { rotation: other.rotation, ..self.clone() }
+    /// Takes over how another is turned and graded: maps, lights and what is made of them stay as they are.
+    pub(crate) fn shown_as(&self, other: &Self) -> Self {
+        Self { rotation: other.rotation, strength: other.strength, tint: other.tint, ..self.clone() }
     }
 }
 
@@ -193,7 +196,7 @@ impl Look {
 
     /// Whether the environment is the same but for its turn.
     pub(crate) fn has_map_of(&self, other: &Self) -> bool {
-        (&self.map, self.environment.turned_as(&other.environment)) == (&other.map, other.environment.clone())
+        (&self.map, self.environment.shown_as(&other.environment)) == (&other.map, other.environment.clone())
     }
 
     /// Whether the environment is seen behind the scene.

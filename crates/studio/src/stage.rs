@@ -3,8 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Grade};
 use gnomon_options::Options;
+use gnomon_reference::Sky;
 use gnomon_renderer::Reflections;
 use gnomon_scene::{Bounds, Camera, Emission, Scene, camera_around};
 
@@ -195,12 +196,12 @@ impl Stage {
         }
     }
 
-    /// The map that lights, as it is drawn but for its turn.
+    /// The map that lights, as it is drawn but for its turn and its grade.
     pub fn environment(&self) -> &Arc<Equirect> {
         self.surroundings.map()
     }
 
-    /// Everything around the scene, as it is drawn but for its turn.
+    /// Everything around the scene, as it is drawn but for its turn and its grade.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
     }
@@ -260,12 +261,22 @@ impl Stage {
         Quat::from_rotation_y(self.look.environment.rotation.to_radians())
     }
 
+    /// What the environment's radiance is multiplied by.
+    pub fn grade(&self) -> Grade {
+        self.look.environment.grade()
+    }
+
+    /// What is around the scene of [`Stage::for_reference`].
+    pub fn sky(&self) -> Sky<'_> {
+        self.surroundings.sky(self.grade())
+    }
+
     /// Whether glossy surfaces reflect the scene in its pictures: a rig's lights are reflected alone.
     pub fn reflects_scene(&self) -> bool {
         self.look.paths.reflections == Reflections::Scene && self.look.environment.rig.is_none()
     }
 
-    /// Scene and view for the reference, under [`Stage::surroundings`] as they are: instead of it they turn, the other way, so that no texel of it is
+    /// Scene and view for the reference, under [`Stage::sky`]: instead of it they turn, the other way, so that no texel of it is
     /// resampled.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use gnomon_envmap::{Equirect, builtin};
+use gnomon_envmap::{Equirect, Grade, builtin};
 use gnomon_lights::{DistantLight, LightDocument, LightSet};
 use gnomon_options::Given;
 use gnomon_picture::RgbImage;
@@ -54,7 +54,7 @@ fn traced(stage: &Stage) -> Vec3 {
     let options =
         ReferenceOptions { width: 4, height: 3, samples_per_pixel: 1024, ..ReferenceOptions::default() };
     let (scene, camera) = stage.for_reference().unwrap();
-    let mean = render(&scene, &camera, stage.surroundings().sky(), &options).unwrap().mean;
+    let mean = render(&scene, &camera, stage.sky(), &options).unwrap().mean;
     mean.texels().iter().sum::<Vec3>() / 12.0
 }
 
@@ -116,17 +116,20 @@ fn strength_and_background_change_what_they_say() {
     let strong = stage("column", graded).unwrap();
     assert_eq!(strong.exposure(), plain.exposure());
     let room = builtin::by_name("room").unwrap();
-    let texel = |stage: &Stage| stage.environment().radiance().get(7, 9);
-    assert_eq!(texel(&strong), room.radiance().get(7, 9) * Vec3::new(3.0, 1.5, 0.0));
+    let light = Vec3::new(3.0, 1.5, 0.0);
+    assert_eq!((strong.grade(), plain.grade()), (Grade { light, background: light }, Grade::NONE));
 
     let path = folder.path().join("green.exr");
     gnomon_picture::write(&path, &RgbImage::filled(8, 4, Vec3::Y)).unwrap();
     let background_map = Some(path.to_string_lossy().into_owned());
-    let behind = stage("column", EnvironmentLook { background_map, ..EnvironmentLook::default() }).unwrap();
-    let sky = behind.surroundings().sky();
+    let behind =
+        stage("column", EnvironmentLook { background_map, strength: 3.0, ..EnvironmentLook::default() })
+            .unwrap();
+    assert_eq!(behind.grade(), Grade { light: Vec3::splat(3.0), background: Vec3::ONE });
+    let sky = behind.sky();
     assert_eq!(sky.background.lookup(Vec3::X), Vec3::Y);
     assert_eq!((sky.map.radiance(), sky.lights.len()), (room.radiance(), 0));
-    assert_eq!(plain.surroundings().sky().background.radiance(), room.radiance());
+    assert_eq!(plain.sky().background.radiance(), room.radiance());
 }
 
 #[test]
@@ -143,10 +146,11 @@ fn scene_files_name_rigs_from_where_they_are() {
     let project = Project::open(&saved.to_string_lossy(), Look::default(), &Given::default()).unwrap();
     assert!(project.look.map.is_none() && project.look.has_environment());
     let again = Stage::new(project).unwrap();
-    assert_eq!(again.surroundings().sky().lights, opened.surroundings().sky().lights);
+    assert_eq!(again.sky().lights, opened.sky().lights);
     assert_eq!(again.look().environment.tint, [1.0, 0.5, 0.25]);
-    let light = &again.surroundings().sky().lights[0];
-    assert!((light.irradiance(Vec3::Y) * light.radiance.z / (0.25 * PI) - 1.0).abs() < 1e-4);
+    let light = &again.sky().lights[0];
+    let blue = again.grade().light.z * light.radiance.z;
+    assert!((light.irradiance(Vec3::Y) * blue / (0.25 * PI) - 1.0).abs() < 1e-4);
 }
 
 /// Frames under a rig that has been edited since are others.
