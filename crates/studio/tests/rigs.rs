@@ -7,12 +7,12 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use gnomon_envmap::{Equirect, builtin};
-use gnomon_lights::{DistantLight, LightDocument, LightSet};
+use gnomon_lights::{DistantLight, LightDocument, LightEntry, LightSet};
 use gnomon_options::Given;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{ReferenceOptions, render};
 use gnomon_studio::{
-    EnvironmentLook, Look, Project, Sequence, Stage, StudioError, Timeline, environment_named,
+    EditedRig, EnvironmentLook, Look, Project, Sequence, Stage, StudioError, Timeline, environment_named,
 };
 
 /// A disk of a milliradian straight above, of irradiance `pi`, and an even rest of radiance 0.25.
@@ -105,6 +105,52 @@ fn a_rig_that_cannot_be_is_one_clear_error() {
     let error = stage("column", rigged(bad)).err().unwrap().to_string();
     assert!(error.contains("is no light rig") && error.contains("moon"), "{error}");
     assert!(stage("column", rigged("none.json".to_owned())).is_err());
+}
+
+/// A floor under edits of its rig, and under the file that they are saved to.
+#[test]
+fn a_rig_is_edited_and_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = write_rig(folder.path(), |_| {});
+    let mut opened = stage(&floor(folder.path()), rigged(rig)).unwrap();
+    let near = |stage: &Stage, expected: Vec3| {
+        let shown = traced(stage);
+        assert!((shown / expected - 1.0).abs().max_element() < 0.01, "{shown} is not {expected}");
+    };
+    let edit = |stage: &mut Stage, change: &dyn Fn(&mut EditedRig)| {
+        let mut edited = stage.rig().unwrap();
+        change(&mut edited);
+        stage.set_look(Look { rig: Some(edited), ..stage.look().clone() })
+    };
+    edit(&mut opened, &|rig| rig.lights[0].direction = [3.0, 4.0, 0.0]).unwrap();
+    edit(&mut opened, &|rig| rig.lights[0].radiance[1] *= 2.0).unwrap();
+    near(&opened, Vec3::new(0.8, 1.6, 0.8) + 0.25);
+    edit(&mut opened, &|rig| {
+        rig.lights.push(LightEntry { direction: [0.0, 2.0, 0.0], ..rig.lights[0].clone() })
+    })
+    .unwrap();
+    near(&opened, Vec3::new(1.8, 3.6, 1.8) + 0.25);
+    edit(&mut opened, &|rig| rig.solo = Some(1)).unwrap();
+    near(&opened, Vec3::new(1.0, 2.0, 1.0));
+    edit(&mut opened, &|rig| (rig.solo, rig.lights[1].enabled) = (None, false)).unwrap();
+    near(&opened, Vec3::new(0.8, 1.6, 0.8) + 0.25);
+    let refused = edit(&mut opened, &|rig| rig.lights[0].radiance[0] = -1.0).unwrap_err().to_string();
+    assert!(refused.contains("light 0") && refused.contains("radiance"), "{refused}");
+
+    let unsaved = opened.save_scene(&folder.path().join("scene.toml")).unwrap_err().to_string();
+    assert!(unsaved.contains("save the rig first"), "{unsaved}");
+    std::fs::create_dir(folder.path().join("saved")).unwrap();
+    let saved = folder.path().join("saved/edited.json");
+    opened.save_rig(&saved).unwrap();
+    let document = LightDocument::from_json(&std::fs::read_to_string(&saved).unwrap()).unwrap();
+    assert_eq!(document.residual.as_deref(), Some("../rest.exr"));
+    assert!((document.lights_flux[1] / (2.0 * std::f64::consts::PI) - 1.0).abs() < 1e-3, "{document:?}");
+    let again = stage(&floor(folder.path()), rigged(saved.to_string_lossy().into_owned())).unwrap();
+    near(&again, Vec3::new(0.8, 1.6, 0.8) + 0.25);
+    // Edits belong to the file that they were made of.
+    opened.set_look(Look { environment: again.look().environment.clone(), ..opened.look().clone() }).unwrap();
+    assert!(opened.look().edited_rig().is_none());
+    assert_eq!(opened.rig().unwrap().lights, again.rig().unwrap().lights);
 }
 
 /// The strength does not vanish in the exposure, and another background lights nothing.
