@@ -89,17 +89,18 @@ impl Fields<'_> {
 
     /// Buttons in a row; the one that was clicked.
     pub fn buttons<'n>(&mut self, names: &[&'n str]) -> Option<&'n str> {
-        self.row("", "", |ui, targets| {
-            names
-                .iter()
-                .copied()
-                .filter(|name| {
-                    let response = ui.button(*name);
-                    targets.put(ui, &response, name);
-                    response.clicked()
-                })
-                .last()
-        })
+        let targets = &mut *self.targets;
+        let mut clicked = None;
+        self.ui.horizontal(|ui| {
+            for &name in names {
+                let response = ui.button(name);
+                targets.put(ui, &response, name);
+                if response.clicked() {
+                    clicked = Some(name);
+                }
+            }
+        });
+        clicked
     }
 
     /// A line to be typed, and a button that does something with it.
