@@ -26,7 +26,7 @@ pub fn show(fields: &mut Fields<'_>, viewer: &mut Viewer, wanted: &mut Look) {
         let index = viewer.rig_light;
         light(fields, &mut edited.lights[index]);
         let mut solo = edited.solo == Some(index);
-        if fields.check("", "rig solo", &mut solo, "solo: neither other lights nor the map") {
+        if fields.check("", "rig solo", &mut solo, "solo: no other light, no map") {
             edited.solo = solo.then_some(index);
         }
     }
