@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 use gnomon_envmap::{Equirect, Grade, LoadOptions, builtin, load};
 use gnomon_lights::fit::FitSettings;
-use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet, clamped};
+use gnomon_lights::{DistantLight, DocumentError, FitOptions, LightDocument, LightSet, clamped};
 use gnomon_messages::quoted;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{MOST_UNASKED_TRIANGLES, Sky};
@@ -33,8 +33,8 @@ pub struct Surroundings {
     map: Arc<Equirect>,
     /// Lights beside it.
     lights: Arc<[DistantLight]>,
-    /// Whether they are all lights there are: no more are fitted to the map.
-    is_rig: bool,
+    /// The rig whose lights they are, as it shines; then they are all lights there are, and no more are fitted to the map.
+    rig: Option<Arc<LightDocument>>,
     /// The map before its brightest light became lights, where it did.
     unclamped: Option<Arc<Equirect>>,
     /// What the camera sees behind the scene, where that is another.
@@ -48,7 +48,7 @@ impl From<Arc<Equirect>> for Surroundings {
     fn from(map: Arc<Equirect>) -> Self {
         let exposure = map.suitable_exposure();
         let lights = Arc::default();
-        Self { map, lights, is_rig: false, unclamped: None, background: None, exposure }
+        Self { map, lights, rig: None, unclamped: None, background: None, exposure }
     }
 }
 
@@ -61,6 +61,11 @@ impl Surroundings {
     /// The same with all of its light, where some of it became lights.
     pub fn whole_map(&self) -> &Arc<Equirect> {
         self.unclamped.as_ref().unwrap_or(&self.map)
+    }
+
+    /// The rig in the place of fitted lights, as it shines.
+    pub fn rig(&self) -> Option<&LightDocument> {
+        self.rig.as_deref()
     }
 
     /// Lights beside it: a rig's, and what was taken out of the brightest texels ([`EnvironmentLook::clamp`]).
@@ -81,7 +86,7 @@ impl Surroundings {
 
     /// What a fit takes for a scene under these.
     fn fit_options(&self, look: &Look, scene: &FitScene) -> Result<FitOptions, StudioError> {
-        match self.is_rig {
+        match self.rig.is_some() {
             true => Ok(look.fit.options(scene.ground)?),
             false => scene.options(&look.fit),
         }
@@ -92,7 +97,7 @@ impl Surroundings {
     /// # Errors
     /// As [`fit_lights`].
     pub fn fit_lights(&self, fit: &FitSettings, options: &FitOptions) -> Result<LightSet, StudioError> {
-        if self.is_rig {
+        if self.rig.is_some() {
             let set = LightSet::new("rig", self.lights.to_vec(), Equirect::clone(&self.map));
             return Ok(LightSet { stands_alone: true, ..set });
         }
@@ -190,27 +195,37 @@ impl Reader<'_> {
             None => std::fs::read_to_string(path)
                 .map_err(|source| StudioError::Read { path: path.to_owned(), source })?,
         };
-        let rig = LightDocument::from_json(&text).map_err(|error| invalid(quoted(&error.to_string())))?;
+        let refused = |error: DocumentError| invalid(quoted(&error.to_string()));
+        let mut rig = LightDocument::from_json(&text).map_err(refused)?;
+        if let Some(edited) = look.edited_rig() {
+            edited.apply(&mut rig);
+            rig.check().map_err(refused)?;
+        }
         let beside = |file: &String| path.parent().unwrap_or(Path::new("")).join(file);
-        let map = match &rig.residual {
+        let mut map = match &rig.residual {
             Some(file) => self.map(&beside(file), LoadOptions::default())?,
             None if rig.residual_flux.iter().any(|flux| *flux > 0.0) => {
                 return Err(invalid(
                     "its lights leave a map (residual_flux), but it names none (residual)".to_owned(),
                 ));
             }
-            None => Equirect::new(RgbImage::filled(BLACK.0, BLACK.1, Vec3::ZERO)),
+            None => black(),
         };
-        let background = match (&look.map, &rig.background) {
+        let mut background = match (&look.map, &rig.background) {
             (Some(_), _) => Some(self.environment(look)?),
             (None, Some(file)) => Some(Arc::new(self.map(&beside(file), LoadOptions::default())?)),
             (None, None) => None,
         };
         let exposure = background.as_deref().unwrap_or(&map).suitable_exposure();
+        if look.edited_rig().is_some_and(|edited| edited.solo.is_some()) {
+            let residual = std::mem::replace(&mut map, black());
+            background.get_or_insert_with(|| Arc::new(residual));
+        }
+        let lights = rig.shining().into();
         Ok(Surroundings {
             map: Arc::new(map),
-            lights: rig.shining().into(),
-            is_rig: true,
+            lights,
+            rig: Some(Arc::new(rig)),
             unclamped: None,
             background,
             exposure,
@@ -218,8 +233,10 @@ impl Reader<'_> {
     }
 }
 
-/// Size of a map of nothing.
-const BLACK: (u32, u32) = (8, 4);
+/// A map of nothing.
+fn black() -> Equirect {
+    Equirect::new(RgbImage::filled(8, 4, Vec3::ZERO))
+}
 
 impl Surroundings {
     /// The same with the brightest light of the map as lights, as a look asks for. The camera sees the whole map.
@@ -356,7 +373,7 @@ fn lit(
     }
     let lights = surroundings.fit_lights(&look.fit, options)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
-    let mut prepared = match surroundings.unclamped.as_ref().filter(|_| !surroundings.is_rig) {
+    let mut prepared = match surroundings.unclamped.as_ref().filter(|_| surroundings.rig.is_none()) {
         // Unshadowed light is that of the whole map.
         Some(whole) => PreparedLighting::new(whole, &lights, &settings)?.with_mirrored(&surroundings.map),
         None => PreparedLighting::new(&surroundings.map, &lights, &settings)?,

@@ -18,7 +18,7 @@ use gnomon_scene::{CAMERA_HEIGHT, Camera, Emission, Ground, ReflectanceSettings}
 use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
 use serde::{Deserialize, Serialize};
 
-use crate::StudioError;
+use crate::{EditedRig, StudioError};
 
 /// How a scene is looked at. The default is what `gnomon render` does without options.
 ///
@@ -43,6 +43,9 @@ pub struct Look {
     pub map: Option<EnvironmentSource>,
     /// How it is read and turned: of `[environment]`.
     pub environment: EnvironmentLook,
+    /// Its light rig as it is edited, where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<EditedRig>,
     /// From where it is seen.
     pub camera: CameraLook,
     /// What is added to it: of the outer table.
@@ -191,12 +194,14 @@ impl Look {
             // Another file comes as it is turned now.
             self.map.clone_from(&after.map);
             self.environment = after.environment.clone();
+            self.rig.clone_from(&after.rig);
         }
     }
 
     /// Whether the environment is the same but for its turn.
     pub(crate) fn has_map_of(&self, other: &Self) -> bool {
-        (&self.map, self.environment.shown_as(&other.environment)) == (&other.map, other.environment.clone())
+        let own = self.environment.shown_as(&other.environment);
+        (&self.map, &own, self.edited_rig()) == (&other.map, &other.environment, other.edited_rig())
     }
 
     /// Whether the environment is seen behind the scene.
@@ -212,7 +217,7 @@ impl Look {
     /// Takes another environment, as it is.
     pub fn set_environment(&mut self, source: EnvironmentSource) {
         self.map = Some(source);
-        self.environment = EnvironmentLook::default();
+        (self.environment, self.rig) = Default::default();
     }
 
     /// Gives one material, by its number in the scene, the reflectance of a surface.

@@ -20,7 +20,7 @@ use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
 use crate::look::EnvironmentLook;
 use crate::stage::LookChange;
-use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
+use crate::{EditedRig, Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
 mod drawing;
 mod take_over;
@@ -66,6 +66,7 @@ pub(crate) struct LightingKey {
     map: Option<EnvironmentSource>,
     /// How it is read; turn and grade are another matter.
     environment: EnvironmentLook,
+    rig: Option<EditedRig>,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
@@ -81,6 +82,7 @@ impl LightingKey {
             // Else turning needs no new lights.
             interior_turn: is_interior.then_some(look.environment.rotation),
             environment: look.environment.shown_as(&EnvironmentLook::default()),
+            rig: look.edited_rig().cloned(),
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
             lighting: look.lighting.clone(),
@@ -88,13 +90,14 @@ impl LightingKey {
     }
 
     fn same_map(&self, other: &Self) -> bool {
-        (&self.map, &self.environment) == (&other.map, &other.environment)
+        (&self.map, &self.environment, &self.rig) == (&other.map, &other.environment, &other.rig)
     }
 
     /// Puts a look back to what these lights are for.
     fn restore(&self, look: &mut Look) {
         look.map = self.map.clone();
         look.environment = self.environment.shown_as(&look.environment);
+        look.rig.clone_from(&self.rig);
         look.fit = self.fit.clone();
         look.lighting = self.lighting.clone();
     }

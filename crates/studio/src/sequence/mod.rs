@@ -123,7 +123,7 @@ impl Sequence {
         let mut digest = Digest::default();
         let mut look = self.look.clone();
         look.map = None;
-        (look.environment.rig, look.environment.background_map) = (None, None);
+        (look.environment.rig, look.environment.background_map, look.rig) = Default::default();
         let words = |look: &Look| {
             json!({
                 "program": concat!("gnomon ", env!("CARGO_PKG_VERSION")),
