@@ -195,7 +195,7 @@ fn a_clamped_map_lights_a_picture_as_the_whole_one_does() {
         };
         let traced = |stage: &Stage| {
             let (scene, camera) = stage.for_reference().unwrap();
-            render(&scene, &camera, stage.surroundings().sky(), &options).unwrap().mean
+            render(&scene, &camera, stage.sky(), &options).unwrap().mean
         };
         let truth = traced(&whole);
         let drawn = Studio::new(&gpu, clamped.clone()).unwrap().frame(size[0], size[1]).unwrap().radiance;

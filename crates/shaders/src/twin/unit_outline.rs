@@ -15,7 +15,12 @@ pub struct UnitOutline {
 /// Of a disk about the origin.
 pub fn unit_disk(radius: f32) -> UnitOutline {
     let growth = 1.0 / radius.max(1e-9);
-    UnitOutline { is_disk: true, middle: Vec2::ZERO, unit_from_plane: Mat2::from_diagonal(Vec2::splat(growth)), growth }
+    UnitOutline {
+        is_disk: true,
+        middle: Vec2::ZERO,
+        unit_from_plane: Mat2::from_diagonal(Vec2::splat(growth)),
+        growth,
+    }
 }
 
 /// Of the parallelogram with the half sides `a` and `b`.
