@@ -13,7 +13,7 @@ use gnomon_testing::tolerances;
 
 const SIZE: [u32; 2] = [96, 72];
 
-fn renderer(gpu: &gnomon_renderer::Gpu, background: Background, map: &gnomon_envmap::Equirect) -> Renderer {
+fn renderer(gpu: &gnomon_renderer::Gpu, background: Background, map: &Equirect) -> Renderer {
     let settings = RenderSettings::default().with(|s| s.display.background = background);
     let mut renderer = Renderer::new(gpu, settings).unwrap();
     let options = FitOptions { light_count: Some(24), ..FitOptions::default() };
