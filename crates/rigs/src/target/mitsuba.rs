@@ -8,7 +8,7 @@
 use glam::Vec3;
 use gnomon_lights::DistantLight;
 
-use super::{Reflections, Target, comment, numbers};
+use super::{Reflections, Target, numbers, xml_comment};
 use crate::{FarShape, Outline, Rig};
 
 pub(super) const TARGET: Target = Target {
@@ -26,7 +26,7 @@ pub(super) const TARGET: Target = Target {
 const DISTANCE: f32 = 10_000.0;
 
 fn text(rig: &Rig) -> String {
-    let about = comment(rig, "     ").replace("--", "- -");
+    let about = xml_comment(rig, "     ");
     let mut text =
         format!("<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<!--\n{about}-->\n<scene version=\"3.0.0\">\n");
     if let Some(file) = &rig.residual {

@@ -92,6 +92,19 @@ fn comment(rig: &Rig, mark: &str) -> String {
     rig.about.iter().map(|line| format!("{mark}{line}\n")).collect()
 }
 
+/// The same as what an XML comment may hold: no two hyphens beside one another, and characters that XML has (XML 1.0, sections 2.2 and 2.5).
+fn xml_comment(rig: &Rig, mark: &str) -> String {
+    let mut text = String::new();
+    for character in comment(rig, mark).chars() {
+        if character == '-' && text.ends_with('-') {
+            text.push(' ');
+        }
+        let is_known = matches!(character, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..);
+        text.push(if is_known { character } else { char::REPLACEMENT_CHARACTER });
+    }
+    text
+}
+
 /// Numbers with a blank or a comma between them, in the fewest digits that bring them back as 32-bit floats.
 fn numbers(values: impl IntoIterator<Item = f64>, between: &str) -> String {
     // A whole number of a double's many digits would be noise.

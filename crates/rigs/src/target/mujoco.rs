@@ -7,7 +7,7 @@
 
 use gnomon_lights::DistantLight;
 
-use super::{Reflections, Target, comment, numbers};
+use super::{Reflections, Target, numbers, xml_comment};
 use crate::rig::z_up;
 use crate::{Rig, Sun};
 
@@ -30,7 +30,7 @@ const SPECULAR: f64 = 0.3 / 0.7;
 fn text(rig: &Rig) -> String {
     let exposure = f64::from(rig.map.suitable_exposure()).exp2();
     let ambient = rig.set.residual_flux() * (exposure / (4.0 * std::f64::consts::PI));
-    let about = comment(rig, "     ").replace("--", "- -");
+    let about = xml_comment(rig, "     ");
     let lights: String =
         rig.set.lights.iter().enumerate().map(|(index, light)| entry(light, index, exposure)).collect();
     format!(

@@ -36,7 +36,7 @@ fn set() -> LightSet {
 fn text(name: &str) -> String {
     let set = set();
     let residual = Some("a \"rest\"_residual.exr".to_owned());
-    let about = vec!["Lights -- of a map".to_owned()];
+    let about = vec!["Lights -- of a---map\u{ffff}-".to_owned()];
     let map = set.residual.clone();
     by_name(name).unwrap().text(&Rig { about, set: &set, map: &map, residual, whole: None })
 }
@@ -156,11 +156,23 @@ fn usd_lights_shine_along_their_minus_z() {
     }
 }
 
+/// XML 1.0, section 2.5.
+#[test]
+fn comments_of_xml_hold_no_two_hyphens_whatever_a_map_is_called() {
+    for name in ["mujoco", "mitsuba"] {
+        let text = text(name);
+        let (_, rest) = text.split_once("<!--").unwrap();
+        let (comment, _) = rest.split_once("--").unwrap();
+        assert!(rest[comment.len()..].starts_with("-->\n<"), "{name}: {rest}");
+        assert!(comment.contains("Lights - - of a- - -map\u{fffd}-\n"), "{name}: {comment}");
+    }
+}
+
 /// Of `rectangle` and `disk`: axes as columns.
 #[test]
 fn mitsuba_s_shapes_face_the_scene_along_their_z() {
     let text = text("mitsuba");
-    assert!(text.contains("a &quot;rest&quot;_residual.exr") && !text.contains("Lights --"));
+    assert!(text.contains("a &quot;rest&quot;_residual.exr"));
     let found = text.split("<shape ").skip(1).map(|block| {
         let rows = numbers_of(after(block, "<matrix value="));
         let [x, y, z, place] =
