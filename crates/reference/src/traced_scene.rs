@@ -252,7 +252,7 @@ impl<'a> TracedScene<'a> {
             surface: if instance.catches { Surface::default() } else { point.surface },
             tables: instance.tables.as_deref().filter(|_| !instance.catches),
             emissive: point.emissive,
-            shines: self.scene.material(instance.mesh).shines,
+            shines: self.scene.meshes[instance.mesh.0].shines,
             catches: instance.catches,
             fades: self
                 .ground

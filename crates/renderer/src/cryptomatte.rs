@@ -1,10 +1,10 @@
 //! Cryptomatte: which shares of a pixel show what, under hashes of names that compositing programs pick from (Friedman and Jones 2015;
 //! specification 1.2.0).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec2;
-use gnomon_scene::{Camera, Scene};
+use gnomon_scene::{Camera, Node, Scene};
 
 /// Samples along a pixel's side.
 const SIDE: u32 = 4;
@@ -34,7 +34,7 @@ macro_rules! channels {
 pub(crate) const OBJECT_CHANNELS: &[&str] = channels!("CryptoObject");
 pub(crate) const MATERIAL_CHANNELS: &[&str] = channels!("CryptoMaterial");
 
-/// Names of what labels count from 1, each once.
+/// Names of what labels count from 1, each once; empty for what is never seen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     pub objects: Vec<String>,
@@ -42,26 +42,37 @@ pub(crate) struct Labels {
 }
 
 impl Labels {
-    /// Of a scene's nodes and materials, the default one last.
+    /// Of a scene's nodes that place meshes and of its materials, the default one last.
     pub fn of(scene: &Scene) -> Self {
-        let materials = scene.materials.iter().map(|material| material.name.as_str());
-        Self {
-            objects: unique("object", scene.nodes.iter().map(|node| node.name.as_str())),
-            materials: unique("material", materials.chain(["default"])),
-        }
+        let node = |node: &Node| (!node.meshes.is_empty()).then(|| node.name.clone());
+        let nodes: Vec<_> = scene.nodes.iter().map(node).collect();
+        let default = Some("default".to_owned());
+        let materials: Vec<_> =
+            scene.materials.iter().map(|material| Some(material.name.clone())).chain([default]).collect();
+        Self { objects: unique("object", &nodes), materials: unique("material", &materials) }
     }
 }
 
-/// The same names with numbers from 0 behind those that are empty or not the only one.
-fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
-    let mut counts = BTreeMap::new();
-    names.clone().for_each(|name| *counts.entry(name).or_insert(0) += 1);
-    let named = |(number, name): (usize, &str)| match (name, counts.get(name)) {
-        ("", _) => format!("{what}_{number}"),
-        (name, Some(1)) => name.to_owned(),
-        (name, _) => format!("{name}_{number}"),
+/// The same names. The first with a name keeps it, so that what comes later in a file changes none; others have the next free number behind it.
+fn unique(what: &str, names: &[Option<String>]) -> Vec<String> {
+    let mut taken: BTreeSet<String> = names.iter().flatten().cloned().collect();
+    let (mut kept, mut numbers) = (BTreeSet::new(), BTreeMap::new());
+    let named = |name: &Option<String>| match name {
+        None => String::new(),
+        Some(name) if !name.is_empty() && kept.insert(name.as_str()) => name.clone(),
+        Some(name) => {
+            let stem = if name.is_empty() { what } else { name };
+            let number = numbers.entry(stem).or_insert(0_usize);
+            loop {
+                *number += 1;
+                let numbered = format!("{stem}_{number}");
+                if taken.insert(numbered.clone()) {
+                    return numbered;
+                }
+            }
+        }
     };
-    names.enumerate().map(named).collect()
+    names.iter().map(named).collect()
 }
 
 /// Cameras whose pixels' middles are the samples of the pixels of this one.
@@ -103,8 +114,9 @@ fn murmur3(bytes: &[u8]) -> u32 {
 pub(crate) fn attributes(channels: &[&str], names: &[String]) -> Vec<(String, String)> {
     let layer = channels.first().map_or("", |channel| channel.trim_end_matches("00.R"));
     let hex = |hash: u32| format!("{hash:08x}");
+    let seen = names.iter().filter(|name| !name.is_empty());
     let manifest: serde_json::Map<String, serde_json::Value> =
-        names.iter().map(|name| (name.clone(), hex(float_of(name).to_bits()).into())).collect();
+        seen.map(|name| (name.clone(), hex(float_of(name).to_bits()).into())).collect();
     let key = &hex(murmur3(layer.as_bytes()))[..7];
     [
         ("name", layer.to_owned()),
@@ -142,6 +154,8 @@ pub(crate) fn mattes(samples: &[Vec<u32>], names: &[String]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use gnomon_scene::{Material, MaterialId, Mesh};
 
     /// Of the specification's text, and of the hash's own vectors.
     #[test]
@@ -162,13 +176,49 @@ mod tests {
 
     #[test]
     fn shares_are_ranked_and_names_are_unique() {
-        let names = unique("object", ["box", "", "box", "ball"].into_iter());
-        assert_eq!(names, ["box_0", "object_1", "box_2", "ball"]);
+        let names = ["box", "", "box", "ball"].map(|name| Some(name.to_owned()));
+        let names = unique("object", &names);
+        assert_eq!(names, ["box", "object_1", "box_1", "ball"]);
         let samples = [vec![4, 0], vec![1, 0], vec![4, 2], vec![4, 2]];
         let values = mattes(&samples, &names);
         assert_eq!(values.len(), 2 * OBJECT_CHANNELS.len());
-        assert_eq!(values[..4], [float_of("ball"), 0.75, float_of("box_0"), 0.25]);
+        assert_eq!(values[..4], [float_of("ball"), 0.75, float_of("box"), 0.25]);
         assert_eq!(values[12..16], [float_of("object_1"), 0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn no_number_makes_a_name_that_another_has() {
+        let names = |names: &[&str]| {
+            unique("object", &names.iter().map(|name| Some((*name).to_owned())).collect::<Vec<_>>())
+        };
+        assert_eq!(names(&["box", "box", "box_1"]), ["box", "box_2", "box_1"]);
+        assert_eq!(
+            names(&["", "object_1", "object", "", "object"]),
+            ["object_2", "object_1", "object", "object_3", "object_4"]
+        );
+        assert_eq!(unique("object", &[None, Some("box".to_owned())]), ["", "box"]);
+    }
+
+    #[test]
+    fn lights_of_emission_change_no_name() {
+        let material =
+            |name: &str, emissive| Material { name: name.to_owned(), emissive, ..Material::default() };
+        let mut scene = Scene {
+            materials: vec![material("grey", Vec3::ZERO), material("lamp", Vec3::ONE)],
+            ..Scene::default()
+        };
+        for (name, material) in [("emission", 0), ("panel", 1)] {
+            let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+            let mesh = Mesh { positions: corners, triangles: vec![[0, 1, 2]], ..Mesh::default() };
+            scene.push_mesh(name, Mesh { material: Some(MaterialId(material)), ..mesh });
+        }
+        let seen = Labels::of(&scene);
+        scene.light_emission();
+        let lit = Labels::of(&scene);
+        assert_eq!(scene.lights.len(), 1);
+        assert_eq!(seen.objects, ["emission", "panel"]);
+        assert_eq!(lit.objects, ["emission", "panel", ""]);
+        assert_eq!((&seen.materials, lit.materials.len()), (&lit.materials, 3));
     }
 
     #[test]

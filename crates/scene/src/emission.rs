@@ -99,15 +99,18 @@ impl Flat {
 }
 
 impl Scene {
-    /// Gives flat emitting surfaces lights, at rest: of what has a picture several. Their materials no longer show in reflections, where the lights do. One that is seen from
+    /// Gives flat emitting surfaces lights, at rest: of what has a picture several. Their emission no longer shows in reflections, where the lights do. One that is seen from
     /// both sides lights both.
     pub fn light_emission(&mut self) {
+        let world = self.world_from_nodes();
         let mut left = MOST_PARTS;
         let mut placed = Vec::new();
         let mut by_mesh: BTreeMap<usize, bool> = BTreeMap::new();
         for instance in self.instances() {
             let shines = self.material(instance.mesh).emissive.max_element() > 0.0;
-            if !shines || self.is_deformable(&instance) {
+            // A light in the space of a node that is flattened has no place.
+            let has_space = world[instance.node.0].inverse().is_finite();
+            if !shines || !has_space || self.is_deformable(&instance) {
                 continue;
             }
             // All copies of a mesh, or none: they share its material.
@@ -121,7 +124,6 @@ impl Scene {
             by_mesh.insert(instance.mesh.0, true);
             placed.push((instance, parts));
         }
-        let world = self.world_from_nodes();
         let most = (MOST_LIGHTS / (MOST_PARTS - left).max(1)).clamp(1, MOST_CELLS);
         for (instance, parts) in placed {
             if by_mesh.get(&instance.mesh.0) != Some(&true) {
@@ -140,10 +142,8 @@ impl Scene {
             }
         }
         for (mesh, _) in by_mesh.into_iter().filter(|(_, lights)| *lights) {
-            let mut material = self.material(MeshId(mesh)).clone();
-            material.shines = true;
-            self.materials.push(material);
-            Arc::make_mut(&mut self.meshes[mesh]).material = Some(MaterialId(self.materials.len() - 1));
+            // Of the mesh, as others may have its material: labels count the materials of the file.
+            Arc::make_mut(&mut self.meshes[mesh]).shines = true;
         }
     }
 

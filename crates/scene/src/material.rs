@@ -123,8 +123,6 @@ pub struct Material {
     pub emissive_texture: Option<TextureRef>,
     /// Whether vertex colours multiply `emissive`, instead of the base colour alone: a surface that emits its colour has them so.
     pub emissive_vertex_colors: bool,
-    /// Whether lights of the scene stand for its emission: reflections show those.
-    pub shines: bool,
     /// Base-colour alpha factor.
     pub alpha: f32,
     /// Use of alpha.
@@ -161,7 +159,6 @@ impl Default for Material {
             emissive: Vec3::ZERO,
             emissive_texture: None,
             emissive_vertex_colors: false,
-            shines: false,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,

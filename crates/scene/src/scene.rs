@@ -42,6 +42,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Material; `None` is [`Material::default`].
     pub material: Option<MaterialId>,
+    /// Whether lights of the scene stand for its emission ([`Scene::light_emission`]): reflections show those.
+    pub shines: bool,
     /// Joints that bend the vertices where a node gives the mesh a skin; empty for most.
     pub influences: Influences,
     /// Morph targets; empty for most.

@@ -5,7 +5,7 @@
 
 // What a ray meets, as it is seen in a reflection: base colours have few texels, of all else that textures say there is the mean.
 
-// Two texels a triangle: material, colour of its vertices, and texture coordinates of its corners.
+// Two texels a triangle: material and HIT_SHINES, colour of its vertices, and texture coordinates of its corners.
 @group(GROUP_SHADOW) @binding(3) var hit_triangles: texture_2d<u32>;
 // Texels of a material, see `far_materials.rs`.
 @group(GROUP_SHADOW) @binding(4) var far_materials: texture_2d<f32>;
@@ -47,12 +47,14 @@ fn surface_of_hit(hit: RayHit, direction: vec3f) -> Surface {
     let first = textureLoad(hit_triangles, place, 0);
     let second = textureLoad(hit_triangles, place + vec2u(1u, 0u), 0);
     let uv = bitcast<vec2f>(first.zw) * share.x + bitcast<vec2f>(second.xy) * share.y + bitcast<vec2f>(second.zw) * share.z;
-    let material = materials[first.x];
-    let rows = array(far_material(first.x, 0u), far_material(first.x, 1u));
-    let means = far_material(first.x, 2u);
+    let number = first.x & ~HIT_SHINES;
+    let material = materials[number];
+    let rows = array(far_material(number, 0u), far_material(number, 1u));
+    let means = far_material(number, 2u);
     var packed: PackedSurface;
-    packed.base_color = unpack_rgb9e5(first.y) * far_material(first.x, 4u).rgb;
-    packed.emission = far_material(first.x, 3u).rgb;
+    packed.base_color = unpack_rgb9e5(first.y) * far_material(number, 4u).rgb;
+    // Lobes reflect the lights that stand for emission.
+    packed.emission = select(far_material(number, 3u).rgb, vec3f(0.0), (first.x & HIT_SHINES) != 0u);
     packed.specular_color = vec3f(1.0);
     packed.specular = means.z;
     packed.roughness = material.roughness * means.y;

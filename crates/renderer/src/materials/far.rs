@@ -120,10 +120,6 @@ impl FarMaterials {
                 _ => {}
             }
         }
-        if record.shines != 0 {
-            // Lobes reflect its lights.
-            texels[3] = Vec4::ZERO;
-        }
         texels
     }
 }

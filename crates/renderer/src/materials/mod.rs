@@ -288,7 +288,6 @@ fn record(material: &Material, scene: &Scene, tables: Option<usize>) -> layout::
             AlphaMode::Blend => layout::ALPHA_BLENDS,
         },
         emissive_vertex_colors: u32::from(material.emissive_vertex_colors),
-        shines: u32::from(material.shines),
         catches: match (material.catches, material.fade) {
             (false, _) => layout::CATCHES_NOT,
             (true, None) => layout::CATCHES,

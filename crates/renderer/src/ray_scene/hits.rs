@@ -36,11 +36,12 @@ impl<'a> HitTriangles<'a> {
         let set = self.materials.color_set(material);
         let uv = |index: u32| mesh.uvs[set].get(index as usize).copied().unwrap_or(Vec2::ZERO);
         let color = |index: u32| mesh.colors.get(index as usize).copied().unwrap_or(Vec4::ONE).truncate();
+        let shines = if mesh.shines { layout::HIT_SHINES } else { 0 };
         for &triangle in order {
             let corners = mesh.triangles[triangle as usize];
             let color = corners.map(color).into_iter().sum::<Vec3>() / 3.0;
             let [a, b, c] = corners.map(|index| uv(index).to_array().map(f32::to_bits));
-            self.texels.push([material as u32, pack_rgb9e5(color), a[0], a[1]]);
+            self.texels.push([material as u32 | shines, pack_rgb9e5(color), a[0], a[1]]);
             self.texels.push([b[0], b[1], c[0], c[1]]);
         }
     }

@@ -31,7 +31,7 @@ fn a_quad_becomes_a_rectangle_that_shines_from_its_front() {
         // From +z a quarter turn about x, and a mirror across turns no front.
         assert!(light.normal.abs_diff_eq(Vec3::NEG_Y, 1e-5), "{mirror}: {}", light.normal);
         assert!(light.radiance.abs_diff_eq(Vec3::new(4.0, 2.0, 1.0), 1e-5));
-        assert!(scene.material(MeshId(0)).shines);
+        assert!(scene.meshes[0].shines);
     }
 }
 
@@ -108,5 +108,33 @@ fn sides_of_a_box_are_lights_and_what_is_curved_is_only_seen() {
     }
     let mut curved = glowing(strip, Affine3A::IDENTITY, false);
     curved.light_emission();
-    assert!(curved.lights.is_empty() && !curved.materials[0].shines);
+    assert!(curved.lights.is_empty() && !curved.meshes[0].shines);
+}
+
+#[test]
+fn materials_are_those_of_the_file_and_only_the_mesh_that_has_lights_shines() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let mut scene = glowing(polygon(&triangle), Affine3A::IDENTITY, false);
+    // Of the same material, but folded more often than there are lights.
+    let mut folded = Mesh { material: Some(MaterialId(0)), ..Mesh::default() };
+    for i in 0..=3 * MOST_PARTS as u32 {
+        let x = i as f32;
+        folded.positions.extend([Vec3::new(x, 0.0, (i % 2) as f32), Vec3::new(x, 1.0, (i % 2) as f32)]);
+        if i > 0 {
+            folded.triangles.extend([[2 * i - 2, 2 * i, 2 * i - 1], [2 * i - 1, 2 * i, 2 * i + 1]]);
+        }
+    }
+    scene.push_mesh("folded", folded);
+    let materials = scene.materials.clone();
+    scene.light_emission();
+    assert_eq!(scene.materials, materials);
+    assert!(scene.meshes[0].shines && !scene.meshes[1].shines);
+}
+
+#[test]
+fn a_panel_of_a_flattened_node_is_only_seen() {
+    let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0));
+    let mut scene = glowing(polygon(&[Vec3::ZERO, Vec3::X, Vec3::Y]), flat, false);
+    scene.light_emission();
+    assert!(scene.lights.is_empty() && !scene.meshes[0].shines);
 }

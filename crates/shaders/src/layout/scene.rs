@@ -122,8 +122,6 @@ super::structs! {
         /// Factor of the roughness that textures multiply, where [`Material::shape`] leaves it to them: bumps may make a surface rougher than
         /// its own.
         pub roughness: f32,
-        /// 1 where lights of the scene stand for its emission.
-        pub shines: u32,
         /// Strength of the clear coat; 0 is none.
         pub clearcoat: f32,
         /// Its roughness.

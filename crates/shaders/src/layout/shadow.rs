@@ -25,6 +25,8 @@ super::constants! {
     pub const SKY_BLOCK: u32 = 32;
     /// Triangles in a row of the texture of what rays meet, two texels each.
     pub const HIT_TRIANGLES_A_ROW: u32 = 1024;
+    /// Beside the number of a triangle's material: lights of the scene stand for its emission.
+    pub const HIT_SHINES: u32 = 1 << 31;
     /// Texels of a material as reflections see it.
     pub const FAR_MATERIAL_TEXELS: u32 = 5;
     /// Materials in a row of their texture.

@@ -9,7 +9,7 @@ use crate::StudioError;
 /// A table of a manifest in which any value may be one of these in its place:
 ///
 /// - `{ list = [...] }` and `{ from = a, to = b, steps = n }`, both ends included: axes of a grid that the items fill, in the alphabetical order of their
-///   places, the last one fastest; when it is full it begins again;
+///   places, the last one fastest; when it is full it begins again; steps are whole numbers where the ends and all between are;
 /// - `{ any = [...] }`: one of these, by chance;
 /// - `{ min = a, max = b }`: evenly spread, arrays number by number; whole numbers are drawn from whole ones, both ends included.
 #[derive(Clone, Debug)]
@@ -30,25 +30,46 @@ enum Rule<'a> {
 
 enum Grid<'a> {
     List(&'a [Value]),
-    Steps { from: f64, to: f64, steps: u64 },
+    Steps {
+        from: f64,
+        to: f64,
+        steps: u64,
+    },
+    /// Whole numbers, so far apart.
+    Whole {
+        from: i64,
+        step: i64,
+        steps: u64,
+    },
 }
 
 impl Grid<'_> {
     fn len(&self) -> u64 {
         match self {
             Self::List(values) => values.len() as u64,
-            Self::Steps { steps, .. } => *steps,
+            Self::Steps { steps, .. } | Self::Whole { steps, .. } => *steps,
         }
     }
 
     fn value(&self, number: u64) -> Value {
         match self {
             Self::List(values) => values[number as usize].clone(),
+            Self::Whole { from, step, .. } => Value::Integer(from + step * number as i64),
             Self::Steps { from, steps: 1, .. } => Value::Float(*from),
             Self::Steps { from, to, steps } => {
                 Value::Float(from + (to - from) * number as f64 / (steps - 1) as f64)
             }
         }
+    }
+}
+
+/// Whole numbers from a whole one to another, where all between are.
+fn whole_steps(from: &Value, to: &Value, steps: u64) -> Option<Grid<'static>> {
+    let from = from.as_integer()?;
+    let (way, gaps) = (to.as_integer()?.checked_sub(from)?, i64::try_from(steps - 1).ok()?);
+    match gaps {
+        0 => Some(Grid::Whole { from, step: 0, steps }),
+        _ => (way % gaps == 0).then_some(Grid::Whole { from, step: way / gaps, steps }),
     }
 }
 
@@ -79,7 +100,13 @@ fn rule<'a>(table: &'a Table, place: &str) -> Result<Option<Rule<'a>>, StudioErr
             let steps =
                 table["steps"].as_integer().and_then(|steps| u64::try_from(steps).ok()).filter(|n| *n > 0);
             match (number(&table["from"]), number(&table["to"]), steps) {
-                (Some(from), Some(to), Some(steps)) => Rule::Grid(Grid::Steps { from, to, steps }),
+                (Some(from), Some(to), Some(steps)) => {
+                    Rule::Grid(whole_steps(&table["from"], &table["to"], steps).unwrap_or(Grid::Steps {
+                        from,
+                        to,
+                        steps,
+                    }))
+                }
                 _ => return Err(wrong(place, "goes from a number to a number in a whole number of steps")),
             }
         }
@@ -236,11 +263,24 @@ mod tests {
             assert_eq!(template.item(number as u64 + 24).unwrap().to_string(), *item);
         }
         let first = template.item(0).unwrap();
-        assert_eq!((first["c"].as_float(), first["d"].as_integer()), (Some(0.0), Some(7)));
+        assert_eq!((first["c"].as_integer(), first["d"].as_integer()), (Some(0), Some(7)));
         let last = template.item(11).unwrap();
-        assert_eq!((last["a"]["b"].as_str(), last["c"].as_float()), (Some("y"), Some(90.0)));
+        assert_eq!((last["a"]["b"].as_str(), last["c"].as_integer()), (Some("y"), Some(90)));
         // The last place in the alphabet changes first.
         assert_eq!(template.item(1).unwrap()["e"][0]["f"].as_integer(), Some(2));
+    }
+
+    #[test]
+    fn steps_are_whole_where_ends_and_all_between_are() {
+        let values = |text: &str| {
+            let template = template(&format!("a = {text}"), 1).unwrap();
+            (0..template.cells()).map(|n| template.item(n).unwrap()["a"].clone()).collect::<Vec<_>>()
+        };
+        let whole = |numbers: &[i64]| numbers.iter().copied().map(Value::Integer).collect::<Vec<_>>();
+        assert_eq!(values("{ from = 20, to = 10, steps = 3 }"), whole(&[20, 15, 10]));
+        assert_eq!(values("{ from = 4, to = 9, steps = 1 }"), whole(&[4]));
+        assert_eq!(values("{ from = 0, to = 1, steps = 3 }"), [0.0, 0.5, 1.0].map(Value::Float));
+        assert_eq!(values("{ from = 0.0, to = 2, steps = 3 }"), [0.0, 1.0, 2.0].map(Value::Float));
     }
 
     #[test]
