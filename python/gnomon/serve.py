@@ -382,8 +382,12 @@ def main(arguments=None):
     parser.add_argument("--adapter", help="part of the name of the graphics adapter")
     parser.add_argument("--up", choices=["y", "z"], default="z", help="the axis of the scenes that points up")
     given = parser.parse_args(arguments)
-    environment = Environment.load(given.env, rotation=given.env_rotation)
-    with Server((given.host, given.port), environment, given.adapter, given.up) as server:
+    try:
+        environment = Environment.load(given.env, rotation=given.env_rotation)
+        server = Server((given.host, given.port), environment, given.adapter, given.up)
+    except (Error, OSError, OverflowError) as error:
+        parser.exit(2, f"{parser.prog}: error: {error}\n")
+    with server:
         print(f"draws at http://{given.host}:{server.server_port}/render by {server.renderer.adapter['name']}", flush=True)
         try:
             server.serve_forever()

@@ -38,6 +38,12 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), CliError> {
 /// # Errors
 /// As [`check`].
 pub fn check_pictures(path: &Path, is_sequence: bool) -> Result<(), CliError> {
+    if !is_sequence && path.to_string_lossy().contains("####") {
+        return Err(CliError::usage(format!(
+            "{} names the pictures of a sequence: say which frames with --frames or --duration, or leave out the ####",
+            path.display()
+        )));
+    }
     if !is_sequence || is_film(path) {
         return check(path, if is_sequence { &["png", "exr", "mp4"] } else { &["png", "exr"] });
     }

@@ -146,6 +146,7 @@ fn flattened(mesh: Mesh) -> Mesh {
         colors: unshared(&mesh.colors, &mesh.triangles),
         triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
         material: mesh.material,
+        shines: mesh.shines,
         normals,
         positions,
     }

@@ -11,10 +11,7 @@ use gnomon_options::choices;
 
 use self::cells::{Cell, Picture};
 use crate::parts::{first_vertices, root_of};
-use crate::{
-    AreaLight, AreaLightShape, Instance, MaterialId, Mesh, MeshId, Node, NodeId, Scene, Spread,
-    triangle_normal,
-};
+use crate::{AreaLight, AreaLightShape, Instance, Mesh, Node, NodeId, Scene, Spread, triangle_normal};
 
 choices! {
     /// What becomes of surfaces that emit light.

@@ -18,7 +18,7 @@ fn the_description_is_that_of_the_options() {
         markdown("environment", &look.environment),
         markdown("animation", &look.animation),
         markdown("fit", &look.fit),
-        markdown("render", &(look.lighting, look.techniques)),
+        markdown("render", &(look.paths, (look.lighting, look.techniques))),
         markdown("display", &(look.picture, look.display)),
     ];
     let text = std::fs::read_to_string(FILE).unwrap();

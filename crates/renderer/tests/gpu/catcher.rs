@@ -67,7 +67,7 @@ fn a_composite_is_what_a_ground_that_goes_on_in_the_map_shows() {
         let options = ReferenceOptions {
             width: SIZE[0],
             height: SIZE[1],
-            samples_per_pixel: 128,
+            samples_per_pixel: 256,
             ..Default::default()
         };
         let mut black = on_ground.clone();

@@ -76,6 +76,9 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
             scene.nodes.push(Node { name, meshes: ids, weights, ..Node::default() });
         }
     }
+    if scene.nodes.iter().all(|node| node.meshes.is_empty()) {
+        scene.warnings.push("the file shows no meshes: nothing will be seen of it".to_owned());
+    }
     origin::recenter(&root, &order, &mut scene);
     Ok(source.loaded(scene, Ground::Fade))
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Material, builtin};
+use crate::{Material, MaterialId, builtin};
 
 /// Triangles of a polygon around a centre, counter-clockwise seen from +z.
 fn polygon(corners: &[Vec3]) -> Mesh {
