@@ -3,8 +3,8 @@
     python tools/dataset_throughput.py --gnomon target/debug/gnomon            # 2,000 items, every way, some minutes each
     python tools/dataset_throughput.py --items 100 --only command ray
 
-Each way draws the whole set into a folder of its own. `killed` draws it by all three engines in turn, each of which is killed at a random time
-and gone on from by the next. `overhead` draws the same items by the command and by Python in turns. Needs the package gnomon, and ray and
+Each way draws the whole set into a folder of its own. `killed` draws it once more by each of the three engines, which is killed three times at a
+random time with all its processes and begun again. `overhead` draws the same items by the command and by Python in turns. Needs the package gnomon, and ray and
 openjd-cli for theirs.
 """
 
@@ -34,6 +34,7 @@ file = {{ list = ["three-boxes", "column"] }}
 [environment]
 file = {{ any = ["room", "sky"] }}
 rotation = {{ min = 0.0, max = 360.0 }}
+strength = {{ min = 0.5, max = 2.0 }}
 
 [camera]
 azimuth = {{ min = 0.0, max = 360.0 }}
@@ -59,6 +60,7 @@ sys.exit(bool(gnomon.ray.write(sys.argv[1], sys.argv[2], workers=2)))
 TURNS = 5
 """Of each way where its overhead is measured."""
 OVERHEAD_ITEMS = 100
+KILLS = 3
 
 
 class Ways:
@@ -120,27 +122,27 @@ def whole(folder):
     return len(list(Path(folder).glob("*.json")))
 
 
-def killed(ways, folder):
-    """Draws a set by engines that are killed at a random time, with all their processes, and by the next; then by the command to the end."""
-    generator = random.Random(time.time_ns())
-    for engine in (ways.command, ways.openjd, ways.ray):
+def killed(ways, name, folder):
+    """Draws a set by an engine that is killed at random times, with all its processes, and begun again."""
+    generator, engine = random.Random(time.time_ns()), getattr(ways, name)
+    for _ in range(KILLS):
         process = subprocess.Popen(engine(folder), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         before, stop = whole(folder) if Path(folder).exists() else 0, None
         while process.poll() is None and (stop is None or time.monotonic() < stop):
             # The time counts from the first item on, so that none is killed before it does anything.
             if stop is None and Path(folder).exists() and whole(folder) > before:
-                stop = time.monotonic() + generator.uniform(1, ways.items / 40)
+                stop = time.monotonic() + generator.uniform(0, ways.items / 60)
             time.sleep(0.02)
         if process.poll() is not None:
-            raise SystemExit(f"{engine.__name__} ended before it was killed")
+            raise SystemExit(f"{name} ended before it was killed")
         for number in [*children(process.pid), process.pid]:
             try:
                 os.kill(number, signal.SIGKILL)
             except ProcessLookupError:
                 pass
         process.wait()
-        print(f"  {engine.__name__} killed: {before} items when it began, {whole(folder)} when it died", flush=True)
-    run(ways.command(folder))
+        print(f"  {name} killed: {before} items when it began, {whole(folder)} when it died", flush=True)
+    run(engine(folder))
 
 
 def overhead(ways, scratch):
@@ -179,13 +181,14 @@ def main():
                 overhead(ways, scratch)
                 continue
             if name == "killed":
-                killed(ways, folder)
-                digests[name] = digest(folder)
-                print(f"killed: {digests[name]}", flush=True)
+                for engine in ("command", "ray", "openjd"):
+                    killed(ways, engine, f"{folder}-{engine}")
+                    digests[f"killed {engine}"] = digest(f"{folder}-{engine}")
+                    print(f"{engine}, killed {KILLS} times: {digests[f'killed {engine}']}", flush=True)
                 continue
-            clock, _ = run(getattr(ways, name)(folder))
+            clock, processors = run(getattr(ways, name)(folder))
             digests[name] = digest(folder)
-            print(f"{name}: {given.items / clock:.1f} items/s, {clock:.0f} s; {digests[name]}", flush=True)
+            print(f"{name}: {given.items / clock:.1f} items/s, {clock:.0f} s, {processors:.0f} s of processors; {digests[name]}", flush=True)
     if len(set(digests.values())) > 1:
         raise SystemExit("the digests differ")
 

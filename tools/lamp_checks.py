@@ -59,7 +59,9 @@ def write_panel(folder, name, textured):
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "extensionsUsed": ["KHR_materials_emissive_strength"], "materials": [material],
-        "images": [{"uri": "panel.png"}], "textures": [{"source": 0}],
+        "images": [{"uri": "panel.png"}], "textures": [{"source": 0, "sampler": 0}],
+        # As in the truth: else texels of the border are mixed with those of the other side.
+        "samplers": [{"wrapS": 33071, "wrapT": 33071}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": low, "max": high},

@@ -87,12 +87,16 @@ class Environment:
         layer: str | None = None,
         rig: str | None = None,
         background_map: str | None = None,
+        clamp: float | None = None,
     ) -> Environment:
         """A Radiance .hdr or OpenEXR file, its bytes, ``"room"`` or ``"sky"``, or an equirect map (n, 2 n, 3) of radiance. ``rotation``
         [degrees] turns it about +y, ``strength`` and ``tint`` multiply its light."""
 
     def rotated(self, degrees: float) -> Environment:
         """The same turned to this angle; the map is shared, and nothing is fitted anew for it."""
+
+    def graded(self, *, strength: float = ..., tint: float | tuple[float, float, float] = ...) -> Environment:
+        """The same of another strength or tint: what is not given stays. The map is shared, and nothing is fitted anew for it."""
 
     @property
     def rotation(self) -> float:

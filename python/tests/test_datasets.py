@@ -87,6 +87,16 @@ def test_items_are_the_command_s(manifest, whole, command, tmp_path):
             assert depths.min() - 1e-4 < seen.min() and seen.max() < depths.max() + 1e-4
 
 
+def test_a_lost_device_is_opened_anew(manifest, whole, tmp_path):
+    dataset = gnomon.Dataset(manifest)
+    arrays, _ = dataset.draw(3)
+    dataset._lose_device()
+    again, _ = dataset.draw(3)
+    assert np.array_equal(arrays["radiance"], again["radiance"])
+    dataset._lose_device()
+    assert dataset.write(tmp_path / "lost") == [] and contents(tmp_path / "lost") == whole
+
+
 def test_items_that_fail_are_given(manifest, tmp_path):
     manifest.write_text(MANIFEST.replace('"column"', '"absent.glb"').replace("items = 8", "items = 2"))
     [(item, sentence)] = gnomon.Dataset(manifest).write(tmp_path / "out")

@@ -161,13 +161,22 @@ def test_other_threads_go_on_and_progress_can_stop_the_work(boxes, room):
         gnomon.reference(boxes, None, room, (512, 384), samples=4096, progress=stop)
 
 
-def test_ctrl_c_stops():
-    code = """if True:
+@pytest.mark.parametrize(
+    "work",
+    [
+        "gnomon.reference(boxes, None, room, (2048, 1536), samples=1 << 20)",
+        "gnomon.check(noise, boxes, None, room, pixels=1 << 20)",
+    ],
+)
+def test_ctrl_c_stops(work):
+    code = f"""if True:
         import gnomon
+        import numpy as np
         boxes, room = gnomon.Scene.load("three-boxes"), gnomon.Environment.load("room")
+        noise = np.random.default_rng(1).random((768, 1024, 3))
         print("ready", flush=True)
         try:
-            gnomon.reference(boxes, None, room, (2048, 1536), samples=1 << 20)
+            {work}
         except KeyboardInterrupt:
             print("stopped", flush=True)
     """
@@ -254,6 +263,29 @@ def test_a_lost_device_is_told_once_and_opened_anew(boxes, room):
     with pytest.raises(gnomon.DeviceLost, match="device"):
         own.render(boxes, None, room, SIZE, **QUICK)
     assert np.array_equal(own.render(boxes, None, room, SIZE, **QUICK), before)
+
+
+def test_strength_and_tint_are_factors_and_fit_nothing(boxes, room):
+    own = gnomon.Renderer()
+    before = own.render(boxes, None, room, SIZE, **QUICK)
+    lights = own.lights
+    strong = room.graded(strength=2)
+    assert np.array_equal(own.render(boxes, None, strong, SIZE, **QUICK), 2 * before)
+    assert np.array_equal(own.lights.radiance, 2 * lights.radiance)
+    assert np.array_equal(strong.graded(strength=1, tint=(1, 0.5, 0)).radiance, room.radiance * np.float32([1, 0.5, 0]))
+    assert np.array_equal(pickle.loads(pickle.dumps(strong)).radiance, 2 * room.radiance)
+    assert np.array_equal(gnomon.fit(strong, light_count=6).radiance, 2 * gnomon.fit(room, light_count=6).radiance)
+    truth, double = (gnomon.reference(boxes, None, light, (16, 12), samples=16) for light in (room, strong))
+    assert np.array_equal(double, 2 * truth)
+    for wrong, sentence in [({"strength": -1}, "strength"), ({"rotation": 3}, "there are: strength, tint")]:
+        with pytest.raises(gnomon.Error, match=sentence):
+            room.graded(**wrong)
+    # Light that is limited becomes lights beside the map, of an array as of a file.
+    sun = np.full((8, 16, 3), 0.5, np.float32)
+    sun[1, 3] = 1000
+    clamped = gnomon.Environment.load(sun, clamp=2)
+    assert clamped.radiance.max() <= 2 and len(gnomon.fit(clamped, light_count=6)) > 6
+
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="drivers are named to Vulkan's loader")

@@ -38,9 +38,9 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), CliError> {
 /// # Errors
 /// As [`check`].
 pub fn check_pictures(path: &Path, is_sequence: bool) -> Result<(), CliError> {
-    if !is_sequence && path.file_name().is_some_and(|name| name.to_string_lossy().contains("####")) {
+    if !is_sequence && path.to_string_lossy().contains("####") {
         return Err(CliError::usage(format!(
-            "{}: #### is for a sequence: say how long with --frames or --duration",
+            "{} names the pictures of a sequence: say which frames with --frames or --duration, or leave out the ####",
             path.display()
         )));
     }

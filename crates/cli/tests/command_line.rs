@@ -40,6 +40,7 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["render"], "required"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--size", "0x4"], "640x480"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.jpg"], ".png or .exr"),
+        (&["render", "three-boxes", "--env", "room", "-o", "a_####.png"], "--frames"),
         (&["render", "three-boxes", "--env", "room", "-o", "absent/a.png"], "no folder absent"),
         (&["render", "three-boxes", "-o", "a.png", "--size", "8x8"], "--env"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--lights", "lamps"], "lamps"),

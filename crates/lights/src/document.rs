@@ -1,6 +1,6 @@
 //! A [`LightSet`] as JSON that people edit.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use thiserror::Error;
@@ -140,10 +140,29 @@ impl LightDocument {
     /// [`DocumentError`] for text of another form, and for lights that cannot be.
     pub fn from_json(text: &str) -> Result<Self, DocumentError> {
         let document: Self = serde_json::from_str(text)?;
-        for (index, light) in document.lights.iter().enumerate() {
+        document.check()?;
+        Ok(document)
+    }
+
+    /// Whether every light can be.
+    ///
+    /// # Errors
+    /// [`DocumentError::Light`] for the first that cannot.
+    pub fn check(&self) -> Result<(), DocumentError> {
+        for (index, light) in self.lights.iter().enumerate() {
             light.light().map_err(|(field, reason)| DocumentError::Light { index, field, reason })?;
         }
-        Ok(document)
+        Ok(())
+    }
+
+    /// Works out anew what follows from the lights: [`LightEntry::derived`], and the flux of those that shine.
+    pub fn derive(&mut self) {
+        for entry in &mut self.lights {
+            entry.derived = entry.light().ok().map(|light| DerivedEntry::from(&light));
+        }
+        let flux: DVec3 = self.shining().iter().map(DistantLight::flux).sum();
+        self.lights_flux = flux.to_array();
+        self.total_flux = (flux + DVec3::from(self.residual_flux)).to_array();
     }
 
     /// The lights that shine.
@@ -165,11 +184,17 @@ impl From<&DistantLight> for LightEntry {
                 },
             },
             radiance: light.radiance.to_array(),
-            derived: Some(DerivedEntry {
-                extent: light.extent().to_array(),
-                solid_angle: light.solid_angle,
-                flux: light.flux().to_array(),
-            }),
+            derived: Some(DerivedEntry::from(light)),
+        }
+    }
+}
+
+impl From<&DistantLight> for DerivedEntry {
+    fn from(light: &DistantLight) -> Self {
+        Self {
+            extent: light.extent().to_array(),
+            solid_angle: light.solid_angle,
+            flux: light.flux().to_array(),
         }
     }
 }
@@ -208,7 +233,7 @@ impl LightEntry {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec2, DVec3};
+    use glam::DVec2;
     use gnomon_envmap::Equirect;
     use gnomon_picture::RgbImage;
 
@@ -256,8 +281,14 @@ mod tests {
         assert!((moved.solid_angle / before.solid_angle - 1.0).abs() < 1e-5);
         assert!((moved.tan_half_extent() - before.tan_half_extent()).length() < 1e-5);
         assert!((moved.irradiance(Vec3::Z) / before.irradiance(before.direction) - 1.0).abs() < 1e-5);
-        let off = edited(|light| light["enabled"] = false.into()).unwrap();
+        let mut off = edited(|light| light["enabled"] = false.into()).unwrap();
         assert_eq!((off.lights.len(), off.shining().len()), (2, 1));
+        off.lights[0].radiance = off.lights[0].radiance.map(|channel| 2.0 * channel);
+        off.derive();
+        let flux = DVec3::new(2.0, 4.0, 6.0);
+        assert!((DVec3::from(off.lights_flux) - flux).length() < 1e-5, "{:?}", off.lights_flux);
+        let derived = off.lights[0].derived.as_ref().map_or(DVec3::ZERO, |derived| derived.flux.into());
+        assert!((derived - flux).length() < 1e-5, "{derived}");
         let added = r#"{"lights": [{"direction": [0, 1, 0], "shape": {"type": "disk", "angular_radius": 0.1},
             "radiance": [1, 2, 3]}]}"#;
         assert_eq!(LightDocument::from_json(added).unwrap().shining()[0].radiance, Vec3::new(1.0, 2.0, 3.0));

@@ -86,6 +86,16 @@ impl LightSet {
         }
     }
 
+    /// The set with all light multiplied, channel by channel.
+    #[must_use]
+    pub fn times(&self, factor: Vec3) -> Self {
+        Self {
+            lights: self.lights.iter().map(|light| light.times(factor)).collect(),
+            residual: self.residual.times(factor),
+            ..self.clone()
+        }
+    }
+
     /// The set turned about +y by `yaw` [rad], right-hand rule. The residual's rows shift by linear interpolation, which
     /// keeps each row's flux.
     pub fn rotated(&self, yaw: f32) -> Self {

@@ -90,6 +90,14 @@ impl Dataset {
         })
     }
 
+    /// Loses the device, as a driver's reset does; for tests.
+    fn _lose_device(&self, py: Python<'_>) -> PyResult<()> {
+        work::run(py, None, |_| {
+            self.dataset.lock().unwrap_or_else(PoisonError::into_inner).gpu().device().destroy();
+            Ok(())
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!("<gnomon.Dataset of {} items>", self.manifest.items())
     }

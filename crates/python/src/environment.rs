@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnomon::envmap::{from_bytes, from_picture};
+use gnomon::envmap::{Equirect, from_bytes, from_picture};
 use gnomon::options::OptionSpec;
 use gnomon::picture::tonemap::{ToneMapping, tone_mapped};
 use gnomon::studio::{
@@ -16,7 +16,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::error::refused;
 use crate::{arrays, keywords, work};
 
-/// What is infinitely far around a scene. It does not change; a turn is another one that shares its map.
+/// What is infinitely far around a scene. It does not change; a turn, strength or tint is another one that shares its map.
 #[pyclass(frozen, from_py_object, module = "gnomon")]
 #[derive(Clone)]
 pub struct Environment {
@@ -29,8 +29,8 @@ pub struct Environment {
     keywords: Arc<Py<PyDict>>,
 }
 
-/// What a pickled environment is restored from: source, options, turn.
-type Pickled = (Py<PyAny>, Py<PyDict>, f32);
+/// What a pickled environment is restored from: source, options, turn, strength, tint.
+type Pickled = (Py<PyAny>, Py<PyDict>, f32, f32, [f32; 3]);
 
 /// What an environment is read from.
 enum Source {
@@ -49,6 +49,11 @@ impl Environment {
         let (source, keywords) = (Arc::new(py.None()), Arc::new(PyDict::new(py).unbind()));
         Ok(Self { surroundings, look, warnings, source, keywords })
     }
+
+    /// The map that lights, with its strength and tint.
+    fn map(&self) -> Equirect {
+        self.surroundings.map().times(self.look.environment.grade().light)
+    }
 }
 
 fn read(source: Source, look: &Look) -> Result<(Surroundings, Vec<String>), StudioError> {
@@ -66,7 +71,7 @@ fn read(source: Source, look: &Look) -> Result<(Surroundings, Vec<String>), Stud
             (map, if changed > 0 { vec![warning] } else { Vec::new() })
         }
     };
-    Ok((Surroundings::from(Arc::new(map)).graded(&look.environment), warnings))
+    Ok((Surroundings::from(Arc::new(map)).clamped(&look.environment), warnings))
 }
 
 #[pymethods]
@@ -125,6 +130,18 @@ impl Environment {
         Ok(other)
     }
 
+    /// The same of another strength or tint: what is not given stays as it is.
+    #[pyo3(signature = (**options))]
+    fn graded(&self, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let key = |spec: &OptionSpec| match spec.key {
+            "strength" | "tint" => spec.key.to_owned(),
+            _ => String::new(),
+        };
+        let mut other = self.clone();
+        keywords::given::<EnvironmentLook>(options, key)?.apply(&mut other.look.environment);
+        Ok(other)
+    }
+
     #[getter]
     fn rotation(&self) -> f32 {
         self.look.environment.rotation
@@ -137,7 +154,7 @@ impl Environment {
 
     #[getter]
     fn radiance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        arrays::picture(py, self.surroundings.map().radiance())
+        arrays::picture(py, self.map().radiance())
     }
 
     #[getter]
@@ -146,7 +163,7 @@ impl Environment {
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let shown = tone_mapped(self.surroundings.map().radiance(), ToneMapping::default(), self.exposure());
+        let shown = tone_mapped(self.map().radiance(), ToneMapping::default(), self.exposure());
         crate::picture::encoded(py, &shown)
     }
 
@@ -172,7 +189,8 @@ impl Environment {
             ));
         }
         let restore = slf.get_type().getattr("_restored")?;
-        Ok((restore, (this.source.clone_ref(py), this.keywords.clone_ref(py), this.rotation())))
+        let EnvironmentLook { rotation, strength, tint, .. } = this.look.environment;
+        Ok((restore, (this.source.clone_ref(py), this.keywords.clone_ref(py), rotation, strength, tint)))
     }
 
     #[staticmethod]
@@ -181,7 +199,11 @@ impl Environment {
         source: &Bound<'_, PyAny>,
         keywords: &Bound<'_, PyDict>,
         rotation: f32,
+        strength: f32,
+        tint: [f32; 3],
     ) -> PyResult<Self> {
-        Self::load(py, source, Some(keywords))?.rotated(rotation)
+        let mut restored = Self::load(py, source, Some(keywords))?.rotated(rotation)?;
+        (restored.look.environment.strength, restored.look.environment.tint) = (strength, tint);
+        Ok(restored)
     }
 }

@@ -47,7 +47,7 @@ pub fn key(spec: &OptionSpec) -> String {
 }
 
 fn unknown(key: &str, specs: &[&'static OptionSpec], called: fn(&OptionSpec) -> String) -> PyErr {
-    let known: Vec<String> = specs.iter().map(|spec| called(spec)).collect();
+    let known: Vec<String> = specs.iter().map(|spec| called(spec)).filter(|name| !name.is_empty()).collect();
     refused(format!("there is no option `{}`; there are: {}", quoted(key), known.join(", ")))
 }
 

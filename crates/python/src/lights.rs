@@ -38,8 +38,9 @@ pub fn fit(
     let surroundings = &environment.surroundings;
     let (set, map) = work::run(py, None, |_| {
         let options: FitOptions = settings.options(ground)?;
-        let set = surroundings.fit_lights(&settings, &options)?;
-        let map = Arc::clone(surroundings.map());
+        let factor = environment.look.environment.grade().light;
+        let set = surroundings.fit_lights(&settings, &options)?.times(factor);
+        let map = Arc::new(surroundings.map().times(factor));
         Ok(if turn == 0.0 { (set, map) } else { (set.rotated(turn), Arc::new(map.rotated(turn))) })
     })?;
     Ok(Lights { set: Arc::new(set), map })

@@ -210,9 +210,12 @@ impl Renderer {
     fn lights(&self, py: Python<'_>) -> PyResult<Option<Lights>> {
         work::run(py, None, |_| {
             let session = self.session.lock().unwrap_or_else(PoisonError::into_inner);
-            Ok(session.studio.as_ref().map(|studio| Lights {
-                set: Arc::new(studio.lights().clone()),
-                map: Arc::clone(studio.stage().environment()),
+            Ok(session.studio.as_ref().map(|studio| {
+                let factor = studio.stage().grade().light;
+                Lights {
+                    set: Arc::new(studio.lights().times(factor)),
+                    map: Arc::new(studio.environment().times(factor)),
+                }
             }))
         })
     }

@@ -42,7 +42,7 @@ pub fn reference<'py>(
             progress: Some(&tell),
             cancel: Some(job.cancel()),
         };
-        Ok(render(&scene, &camera, stage.surroundings().sky(), &options)?)
+        Ok(render(&scene, &camera, stage.sky(), &options)?)
     })?;
     let mean = arrays::picture(py, &estimate.mean)?;
     match variance {
@@ -66,6 +66,6 @@ pub fn check<'py>(
     let radiance = arrays::to_picture(radiance, "the picture")?;
     let size = [radiance.width(), radiance.height()];
     let view = View::of(scene, camera, environment, Some(Size(size)), options)?;
-    let error = work::run(py, None, |_| view.stage()?.check(&radiance, pixels))?;
+    let error = work::run(py, None, |job| view.stage()?.check_until(&radiance, pixels, job.cancel()))?;
     picture::document(py, &error)
 }

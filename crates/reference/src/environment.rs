@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use glam::{DVec2, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use gnomon_envmap::Equirect;
 
 /// Most tiles across and down. Finer ones follow the cosine better and cost more at every shading point: at 11 degrees what is
@@ -21,6 +21,8 @@ pub(crate) const IMPORTANCE: Vec3 = Vec3::splat(1.0 / 3.0);
 /// the surface is lit from.
 pub(crate) struct EnvironmentSampler<'a> {
     map: &'a Equirect,
+    /// Of its radiance.
+    factor: Vec3,
     /// Brightness at the nodes: `height + 2` rows (the poles, and every row of texel centres) of `width`.
     nodes: Vec<f32>,
     /// `height + 1` rows of `width`: summed mean brightness of the cells from the left edge to the end of this one.
@@ -99,13 +101,14 @@ pub(crate) struct Aim {
 }
 
 impl<'a> EnvironmentSampler<'a> {
-    /// What is sampled.
-    pub(crate) fn map(&self) -> &'a Equirect {
-        self.map
+    /// Unshadowed irradiance on a surface with the unit normal `n`.
+    pub(crate) fn irradiance(&self, n: Vec3) -> DVec3 {
+        self.map.irradiance(n) * self.factor.as_dvec3()
     }
 
-    pub(crate) fn new(map: &'a Equirect) -> Self {
-        let nodes = node_brightness(map);
+    /// Samples a map whose radiance counts so many times, channel by channel.
+    pub(crate) fn new(map: &'a Equirect, factor: Vec3) -> Self {
+        let nodes = node_brightness(map, factor);
         let (width, height) = (map.width() as usize, map.height() as usize);
         let grid = TileGrid::new(width, height + 1);
         let mut along_row = Vec::with_capacity(width * (height + 1));
@@ -144,11 +147,11 @@ impl<'a> EnvironmentSampler<'a> {
                 group.flux[lane] = flux as f32;
             }
         }
-        Self { map, nodes, along_row, down_tiles, grid, tiles }
+        Self { map, factor, nodes, along_row, down_tiles, grid, tiles }
     }
 
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
-        self.map.lookup(direction)
+        self.map.lookup(direction) * self.factor
     }
 
     /// Weighs the tiles for a surface with the unit normal `n`.
@@ -228,9 +231,9 @@ fn between(cumulative: &[f64], start: usize, end: usize) -> f64 {
 }
 
 /// Interpolated brightness at the poles and at every texel centre.
-fn node_brightness(map: &Equirect) -> Vec<f32> {
+fn node_brightness(map: &Equirect, factor: Vec3) -> Vec<f32> {
     let (width, height) = (map.width(), map.height());
-    let texel = |x: u32, y: u32| map.radiance().get(x, y).dot(IMPORTANCE).max(0.0);
+    let texel = |x: u32, y: u32| (map.radiance().get(x, y) * factor).dot(IMPORTANCE).max(0.0);
     // At a pole the lookup is halfway between a texel and the one half a turn away.
     let pole = |x: u32, y: u32| 0.5 * (texel(x, y) + texel((x + width / 2) % width, y));
     let mut nodes = Vec::with_capacity(width as usize * (height as usize + 2));
@@ -330,7 +333,7 @@ mod tests {
     fn pdf_integrates_to_one_and_is_positive_where_the_map_is() {
         for (width, height) in [(16, 8), (7, 5), (1, 1), (2, 1)] {
             let map = if width > 2 { map(width, height) } else { map(16, 8) };
-            let sampler = EnvironmentSampler::new(&map);
+            let sampler = EnvironmentSampler::new(&map, Vec3::ONE);
             for n in [Vec3::Y, Vec3::new(-1.0, 2.0, 3.0).normalize(), Vec3::NEG_Z] {
                 let aim = sampler.aim(n);
                 let total = integrate(|d| {
@@ -348,7 +351,7 @@ mod tests {
     #[test]
     fn samples_follow_the_pdf() {
         let map = map(16, 8);
-        let sampler = EnvironmentSampler::new(&map);
+        let sampler = EnvironmentSampler::new(&map, Vec3::ONE);
         let aim = sampler.aim(Vec3::new(0.3, 0.9, -0.2).normalize());
         // Shares of the samples in 8 x 4 bins against the integrals of the pdf over them.
         let bin = |d: Vec3| {
@@ -378,7 +381,7 @@ mod tests {
     #[test]
     fn black_maps_have_no_samples() {
         let black = Equirect::new(RgbImage::filled(8, 4, Vec3::ZERO));
-        let sampler = EnvironmentSampler::new(&black);
+        let sampler = EnvironmentSampler::new(&black, Vec3::ONE);
         let aim = sampler.aim(Vec3::Y);
         assert_eq!(sampler.sample(&aim, DVec2::splat(0.5)), None);
         assert_eq!(sampler.pdf(&aim, Vec3::X, Vec3::ZERO), 0.0);
@@ -387,7 +390,7 @@ mod tests {
     #[test]
     fn a_single_texel_is_uniform() {
         let map = Equirect::new(RgbImage::filled(1, 1, Vec3::ONE));
-        let sampler = EnvironmentSampler::new(&map);
+        let sampler = EnvironmentSampler::new(&map, Vec3::ONE);
         let aim = sampler.aim(Vec3::Y);
         for i in 0..32 {
             let u = (DVec2::new(f64::from(i), f64::from(i * 7 % 32)) + 0.5) / 32.0;

@@ -50,7 +50,7 @@ impl<'a> Illumination<'a> {
 
     /// Unshadowed irradiance of the environment on a surface with the unit normal `n`.
     pub(crate) fn irradiance(&self, n: Vec3) -> DVec3 {
-        let map = self.map.as_ref().map_or(DVec3::ZERO, |sampler| sampler.map().irradiance(n));
+        let map = self.map.as_ref().map_or(DVec3::ZERO, |sampler| sampler.irradiance(n));
         let light = |light: &AreaLight| (light.radiance * light.source.irradiance(n)).as_dvec3();
         map + self.lights[..self.of_environment].iter().map(light).sum::<DVec3>()
     }

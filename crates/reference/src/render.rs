@@ -2,7 +2,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use glam::{DVec3, UVec2, Vec3};
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Grade};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::{LUMINANCE, RgbImage};
 use gnomon_scene::{Camera, Scene};
@@ -81,11 +81,13 @@ pub struct Sky<'a> {
     pub lights: &'a [DistantLight],
     /// What the camera sees behind the scene.
     pub background: &'a Equirect,
+    /// Factors of all of these.
+    pub grade: Grade,
 }
 
 impl<'a> From<&'a Equirect> for Sky<'a> {
     fn from(map: &'a Equirect) -> Self {
-        Self { map, lights: &[], background: map }
+        Self { map, lights: &[], background: map, grade: Grade::NONE }
     }
 }
 
@@ -138,7 +140,7 @@ pub fn render_with_alpha<'a>(
     let over_white = render(
         scene,
         camera,
-        Sky { background: &white, ..sky },
+        Sky { background: &white, grade: Grade { background: Vec3::ONE, ..sky.grade }, ..sky },
         &ReferenceOptions { background: true, ..*options },
     )?;
     let pairs = over_white.mean.texels().iter().zip(estimate.mean.texels());
@@ -153,12 +155,14 @@ pub(crate) fn sky_tracer<'a>(
     sky: Sky<'a>,
     options: &ReferenceOptions,
 ) -> Result<Tracer<'a>, ReferenceError> {
+    let Grade { light, background } = sky.grade;
+    let lights: Vec<_> = sky.lights.iter().map(|of_sky| of_sky.times(light)).collect();
     Ok(Tracer {
         scene: TracedScene::new(scene)?,
-        shadowed: Illumination::new(Some(EnvironmentSampler::new(sky.map)), sky.lights)
+        shadowed: Illumination::new(Some(EnvironmentSampler::new(sky.map, light)), &lights)
             .with_near(&scene.placed_lights()),
         unshadowed: None,
-        background: options.background.then_some(sky.background),
+        background: options.background.then_some((sky.background, background)),
         reflections: options.reflections,
         unshadowed_irradiance: Mutex::default(),
     })
@@ -178,7 +182,7 @@ pub fn render_lights(
     options: &ReferenceOptions,
 ) -> Result<Estimate, ReferenceError> {
     check(camera, &[&lights.residual, background], options)?;
-    let residual = EnvironmentSampler::new(&lights.residual);
+    let residual = EnvironmentSampler::new(&lights.residual, Vec3::ONE);
     let (shadowed, unshadowed) = match residual_shadows {
         ResidualShadows::Cast => (Illumination::new(Some(residual), &lights.lights), None),
         ResidualShadows::Ignore => {
@@ -186,7 +190,7 @@ pub fn render_lights(
         }
     };
     let shadowed = shadowed.with_near(&scene.placed_lights());
-    let background = options.background.then_some(background);
+    let background = options.background.then_some((background, Vec3::ONE));
     let unshadowed_irradiance = Mutex::default();
     let scene = TracedScene::new(scene)?;
     let reflections = options.reflections;

@@ -17,7 +17,7 @@ pub(crate) struct Tracer<'a> {
     /// Light that reaches every surface it is above.
     pub(crate) unshadowed: Option<Illumination<'a>>,
     /// What the camera sees behind the scene, black where there is none.
-    pub(crate) background: Option<&'a Equirect>,
+    pub(crate) background: Option<(&'a Equirect, Vec3)>,
     /// Whether glossy lobes reflect the scene as well as the light.
     pub(crate) reflections: bool,
     /// Unshadowed irradiance of catchers, by the bits of their normal: level ones have one or two.
@@ -133,7 +133,7 @@ impl Tracer<'_> {
 
     /// What the camera sees along a ray that meets nothing.
     fn behind(&self, ray: &Ray) -> Vec3 {
-        self.background.map_or(Vec3::ZERO, |map| map.seen(ray.direction))
+        self.background.map_or(Vec3::ZERO, |(map, factor)| map.seen(ray.direction) * factor)
     }
 
     /// Share of the unshadowed light of a catcher that an estimate of what it reflects stands for.

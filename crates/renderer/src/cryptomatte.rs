@@ -57,22 +57,25 @@ impl Labels {
 fn unique(what: &str, names: &[Option<String>]) -> Vec<String> {
     let mut taken: BTreeSet<String> = names.iter().flatten().cloned().collect();
     let (mut kept, mut numbers) = (BTreeSet::new(), BTreeMap::new());
-    let named = |name: &Option<String>| match name {
-        None => String::new(),
-        Some(name) if !name.is_empty() && kept.insert(name.clone()) => name.clone(),
-        Some(name) => {
-            let stem = if name.is_empty() { what } else { name };
-            let number = numbers.entry(stem.to_owned()).or_insert(0_usize);
-            loop {
-                *number += 1;
-                let numbered = format!("{stem}_{number}");
-                if taken.insert(numbered.clone()) {
-                    return numbered;
+    let mut unique = Vec::with_capacity(names.len());
+    for name in names {
+        unique.push(match name.as_deref() {
+            None => String::new(),
+            Some(name) if !name.is_empty() && kept.insert(name) => name.to_owned(),
+            Some(name) => {
+                let stem = if name.is_empty() { what } else { name };
+                let number = numbers.entry(stem).or_insert(0_usize);
+                loop {
+                    *number += 1;
+                    let numbered = format!("{stem}_{number}");
+                    if taken.insert(numbered.clone()) {
+                        break numbered;
+                    }
                 }
             }
-        }
-    };
-    names.iter().map(named).collect()
+        });
+    }
+    unique
 }
 
 /// Cameras whose pixels' middles are the samples of the pixels of this one.

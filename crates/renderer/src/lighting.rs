@@ -2,7 +2,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{Quat, Vec3, Vec4};
-use gnomon_envmap::{Backdrop, Equirect, PrefilteredMap, Sh9};
+use gnomon_envmap::{Backdrop, Equirect, Grade, PrefilteredMap, Sh9};
 use gnomon_lights::{DistantLight, LightSet};
 use gnomon_picture::RgbImage;
 use gnomon_shaders::layout;
@@ -111,7 +111,7 @@ impl PreparedRest {
 /// An environment ready to light frames: lights on the CPU, maps on the GPU. Independent of any scene.
 #[derive(Clone)]
 pub(crate) struct Lighting {
-    /// Lights as the environment is turned.
+    /// Lights as the environment is turned and graded.
     pub lights: Vec<DistantLight>,
     /// So many of them are the fit's; the others are its ambient rest.
     pub of_fit: usize,
@@ -119,8 +119,10 @@ pub(crate) struct Lighting {
     taken_out: usize,
     /// Lights that only tell how much of the sky is open, as the environment is turned.
     pub probes: Vec<DistantLight>,
-    /// Lights and probes in the environment's own frame.
+    /// Lights and probes in the environment's own frame, not graded. Nothing that is made of it is, nor are the maps.
     fitted: [Vec<DistantLight>; 2],
+    /// How it is graded.
+    grade: Grade,
     /// What stays ambient, and what is made of it.
     residual: Arc<Equirect>,
     /// Whether light that arrives nowhere is left out, and whether the lights are no fit's: unshadowed light is then theirs.
@@ -129,16 +131,16 @@ pub(crate) struct Lighting {
     /// The environment, as far as its lights' points ask for it.
     map: Arc<Equirect>,
     /// Largest component of its radiance.
-    pub peak: f32,
+    peak: f32,
     /// Where the light of each of the lights comes from, in its own frame, where they stand for the parts of the map that they cover.
     pub points: Arc<[LightPoints]>,
-    pub residual_sh: [Vec4; 9],
-    pub full_sh: [Vec4; 9],
+    residual_sh: [Vec4; 9],
+    full_sh: [Vec4; 9],
     /// The environment with mip levels.
     pub background: wgpu::TextureView,
     /// What is behind the scene, and the radiance of a 1 in there.
     pub seen: wgpu::TextureView,
-    pub seen_scale: f32,
+    seen_scale: f32,
     /// [`layout::Emitters`] of the whole environment, and the irradiance of all else over the sphere of normals.
     pub emitters: wgpu::Buffer,
     pub irradiance_rest: wgpu::TextureView,
@@ -177,6 +179,7 @@ impl Lighting {
             taken_out: prepared.taken_out,
             probes: prepared.probes.clone(),
             fitted: [prepared.lights, prepared.probes],
+            grade: Grade::NONE,
             omits_hidden: prepared.omits_hidden,
             stands_alone: prepared.stands_alone,
             points: prepared.points,
@@ -221,8 +224,8 @@ impl Lighting {
         }
     }
 
-    /// Turns lights and probes; the maps are turned where they are looked up.
-    pub fn turn(&mut self, world_from_environment: Quat) {
+    /// Turns lights and probes, and grades the lights; the maps are turned and graded where they are looked up.
+    pub fn set(&mut self, world_from_environment: Quat, grade: Grade) {
         let [lights, probes] = &self.fitted;
         let turned = |lights: &[DistantLight]| match world_from_environment == Quat::IDENTITY {
             // To the last bit as they were fitted.
@@ -230,6 +233,31 @@ impl Lighting {
             false => lights.iter().map(|light| light.turned(world_from_environment)).collect(),
         };
         (self.lights, self.probes) = (turned(lights), turned(probes));
+        if grade.light != Vec3::ONE {
+            self.lights.iter_mut().for_each(|light| *light = light.times(grade.light));
+        }
+        self.grade = grade;
+    }
+
+    /// Factor of what is looked up in the maps that light.
+    pub fn factor(&self) -> Vec3 {
+        self.grade.light
+    }
+
+    /// Radiance of a 1 in [`Lighting::seen`].
+    pub fn background_factor(&self) -> Vec3 {
+        self.seen_scale * self.grade.background
+    }
+
+    /// Largest component of the environment's radiance.
+    pub fn peak(&self) -> f32 {
+        self.peak * self.grade.light.max_element()
+    }
+
+    /// SH coefficients of the residual and of the whole environment.
+    pub fn spherical_harmonics(&self) -> [[Vec4; 9]; 2] {
+        let factor = self.grade.light.extend(1.0);
+        [self.residual_sh, self.full_sh].map(|coefficients| coefficients.map(|c| c * factor))
     }
 
     /// Directions in the environment's own frame that stand for all light that comes from it.

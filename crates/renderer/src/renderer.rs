@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use glam::Quat;
 use gnomon_brdf::Surface;
+use gnomon_envmap::Grade;
 use gnomon_picture::RgbImage;
 use gnomon_scene::{PlacedFade, PlacedLight, Scene};
 use gnomon_shaders::layout;
@@ -72,6 +73,7 @@ pub struct Renderer {
     /// What is prepared of them.
     relief: Option<Relief>,
     world_from_environment: Quat,
+    grade: Grade,
     state: State,
     target: Option<Target>,
     /// Slices that the view of the last frame had.
@@ -175,6 +177,7 @@ impl Renderer {
             heights: Vec::new(),
             relief: None,
             world_from_environment: Quat::IDENTITY,
+            grade: Grade::NONE,
             target: None,
             slice_count: 1,
             debug: None,

@@ -199,6 +199,7 @@ fn scenes_without_meshes_are_empty_scenes() {
     let scene = read(&json!({"asset": {"version": "2.0"}})).scene;
     assert_eq!((scene.triangle_count(), scene.cameras.len()), (0, 0));
     assert_eq!(scene.bounds(), None);
+    assert!(scene.warnings[0].contains("nothing will be seen of it"), "{:?}", scene.warnings);
 }
 
 #[test]

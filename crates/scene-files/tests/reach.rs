@@ -62,7 +62,7 @@ fn the_ground_lies_under_a_reach_by_its_node_alone() {
     for rest in [scene, point] {
         let [near, far] = [near, far].map(|reach| {
             let mut scene = rest.clone();
-            scene.add_ground_under(Ground::Plane, gnomon_scene::CAMERA_HEIGHT, Some(reach));
+            scene.add_ground_under(Ground::Plane, gnomon_scene::CAMERA_HEIGHT, Some(reach), false);
             let ground = scene.ground.unwrap();
             let corners = scene.world_vertices(&scene.pose(), scene.instances().last().unwrap());
             let half = 4.0 * 0.5 * (reach.max - reach.min).with_y(0.0).length();
@@ -85,7 +85,7 @@ fn a_robot_stands_on_the_ground_of_its_clip() {
     for (clip, animation) in rest.animations.iter().enumerate() {
         let mut scene = rest.clone();
         let reach = scene.bounds_of_clip(clip).unwrap().unwrap();
-        scene.add_ground_under(Ground::Plane, gnomon_scene::CAMERA_HEIGHT, Some(reach));
+        scene.add_ground_under(Ground::Plane, gnomon_scene::CAMERA_HEIGHT, Some(reach), false);
         let size = reach.max.y - reach.min.y;
         let mut lowest = f32::INFINITY;
         for step in 0..=50 {

@@ -40,6 +40,9 @@ const GROUND_HALF_SIDE: f32 = 4.0;
 /// The same of a catcher over that: it is not drawn into maps, and where it ends nothing may be seen of it.
 const CATCHER_SIDES: f32 = 4.0;
 
+/// How far below a floor that a model brings a ground is laid, over the radius of the model.
+const BELOW_FLOOR: f32 = 2e-3;
+
 /// Half the side of the smallest ground [m]: its node's scale can be squared.
 const LEAST_HALF_SIDE: f32 = 1e-9;
 
@@ -71,13 +74,20 @@ impl Scene {
     /// its half side is four times the radius of the models' footprint. A scene without triangles, or one that
     /// has its ground already, stays as it is.
     pub fn add_ground(&mut self, ground: Ground) {
-        self.add_ground_under(ground, CAMERA_HEIGHT, self.bounds());
+        let has_floor = ground != Ground::None && self.has_floor();
+        self.add_ground_under(ground, CAMERA_HEIGHT, self.bounds(), has_floor);
     }
 
     /// The same under models that reach elsewhere than they do now, such as to [`Scene::bounds_of_clip`], with the height of the camera of a
-    /// projected ground [m]. The mesh is that of [`Scene::add_ground`], whatever the reach: its node places and scales it, so that another
+    /// projected ground [m]; just below the floor that they bring, where they do ([`Scene::has_floor`]). The mesh is that of [`Scene::add_ground`], whatever the reach: its node places and scales it, so that another
     /// reach is but another pose.
-    pub fn add_ground_under(&mut self, ground: Ground, camera_height: f32, reach: Option<Bounds>) {
+    pub fn add_ground_under(
+        &mut self,
+        ground: Ground,
+        camera_height: f32,
+        reach: Option<Bounds>,
+        has_floor: bool,
+    ) {
         if let (Ground::Catcher | Ground::Projected, Some(node)) = (ground, self.ground) {
             self.make_catcher(node, (ground == Ground::Projected).then_some(camera_height));
         }
@@ -98,6 +108,8 @@ impl Scene {
         let material =
             Material { name: "ground".to_owned(), double_sided: true, catches, fade, ..Material::default() };
         self.materials.push(material);
+        // A floor in the ground's plane would fight with it for every pixel.
+        let below = if has_floor { BELOW_FLOOR * reach.radius() } else { 0.0 };
         let half = half_side(reach) * if catches { CATCHER_SIDES } else { 1.0 };
         let half = half.max(camera_height.map_or(0.0, |height| PROJECTED_SIDES * height));
         let mut mesh = square(Vec3::ZERO, unit);
@@ -106,7 +118,7 @@ impl Scene {
         self.nodes[node.0].parent_from_node = Affine3A::from_scale_rotation_translation(
             Vec3::splat(half / unit),
             Quat::IDENTITY,
-            reach.center().with_y(reach.min.y),
+            reach.center().with_y(reach.min.y - below),
         );
         self.ground = Some(node);
     }

@@ -57,11 +57,15 @@ pub fn ground_direction(from_center: Vec3, direction: Vec3, camera_height: f32, 
     if turned.length_squared() < 1e-12 { direction } else { turned.normalize() }
 }
 
-/// Cells along a side of the grid in which [`Scene::brings_ground`] looks down on a scene.
+/// Cells along a side of the grid in which [`Scene::has_floor`] and [`Scene::brings_ground`] look at a scene.
 const CELLS: usize = 64;
 
 /// Share of the cells that a ground fills at least.
 const FILLED: f32 = 0.5;
+
+/// Cells of the rim along a side of it, and the share of the rim that may be covered where a floor reaches beyond what stands on it.
+const RIM: usize = 3;
+const COVERED: f32 = 0.5;
 
 /// Height of a ground over the lowest point, as a share of the scene's height.
 const LOW: f32 = 0.1;
@@ -86,50 +90,112 @@ impl Scene {
         })
     }
 
-    /// Whether there is something large, flat and low under the rest: seen straight from below, half of the rectangle around the scene is
-    /// the back of something level, not far above the lowest point. Below a model that stands on nothing are its own outsides. A scene that
-    /// has a camera within it is a place, whatever its floor is like.
+    /// Whether models stand on a ground of the scene's own ([`Scene::has_floor`]) that reaches well beyond them: of the rim of the rectangle around the
+    /// scene at most half is under something higher. A floor that ends with its walls is no ground but a part of the model. A scene that has a camera
+    /// within it is a place, whatever its floor is like.
     pub fn brings_ground(&self) -> bool {
         let Some(bounds) = self.bounds() else { return false };
-        let size = bounds.max - bounds.min;
         let is_within = |eye: Vec3| eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all();
         let has_view_within =
             || self.cameras.iter().any(|camera| is_within(camera.relative_to(self.origin).eye()));
-        if self.ground.is_some() || self.stands_on_ground() || has_view_within() {
+        self.ground.is_some() || has_view_within() || (self.has_floor() && self.floor_reaches_out(&bounds))
+    }
+
+    /// Whether there is something large, flat and low under the rest: a level surface that bears all, or, seen straight from below, half of the
+    /// rectangle around the scene is the back of something level, not far above the lowest point. Below a model that stands on nothing are its own
+    /// outsides.
+    pub fn has_floor(&self) -> bool {
+        let Some(cells) = self.bounds().and_then(|bounds| Cells::around(&bounds)) else { return false };
+        if self.stands_on_ground() {
             return true;
         }
-        let lowest = bounds.min.y + LOW * size.y;
-        let corner = Vec2::new(bounds.min.x, bounds.min.z);
-        let cell = Vec2::new(size.x, size.z) / CELLS as f32;
-        if cell.min_element() <= 0.0 {
-            return false;
-        }
         // Of each cell the height of what is lowest, and whether it faces up.
-        let mut cells = vec![(f32::INFINITY, false); CELLS * CELLS];
+        let mut seen = vec![(f32::INFINITY, false); CELLS * CELLS];
+        self.visit_triangles(
+            |bounds| bounds.min.y <= cells.lowest,
+            |corners, mirrored| {
+                if corners.iter().all(|corner| corner.y > cells.lowest) {
+                    return;
+                }
+                let normal = mirrored * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                let faces_up = normal.y > LEVEL * normal.length();
+                visit_cells(cells.of(corners), |index, height| {
+                    if height < seen[index].0 {
+                        seen[index] = (height, faces_up);
+                    }
+                });
+            },
+        );
+        let filled = seen.iter().filter(|(height, faces_up)| *faces_up && *height <= cells.lowest).count();
+        filled as f32 >= FILLED * seen.len() as f32
+    }
+
+    /// Whether most of the rim of the rectangle around the scene is under nothing but the sky.
+    fn floor_reaches_out(&self, bounds: &Bounds) -> bool {
+        let Some(cells) = Cells::around(bounds) else { return false };
+        let mut covered = vec![false; CELLS * CELLS];
+        self.visit_triangles(
+            |bounds| bounds.max.y > cells.lowest,
+            |corners, _| {
+                if corners.iter().all(|corner| corner.y <= cells.lowest) {
+                    return;
+                }
+                let local = cells.of(corners);
+                visit_cells(local, |index, _| covered[index] = true);
+                // Walls are edges, seen from above.
+                for (from, to) in [(local[0], local[1]), (local[1], local[2]), (local[2], local[0])] {
+                    let (from, to) = (from.truncate(), to.truncate());
+                    let steps = (to - from).abs().max_element().ceil().clamp(1.0, 2.0 * CELLS as f32);
+                    for step in 0..=steps as u32 {
+                        let at = from.lerp(to, step as f32 / steps).floor();
+                        let [x, y] = at.to_array().map(|at| (at.max(0.0) as usize).min(CELLS - 1));
+                        covered[y * CELLS + x] = true;
+                    }
+                }
+            },
+        );
+        let is_rim =
+            |index: usize| [index % CELLS, index / CELLS].iter().any(|at| !(RIM..CELLS - RIM).contains(at));
+        let rim: Vec<bool> = (0..CELLS * CELLS).filter(|&index| is_rim(index)).map(|i| covered[i]).collect();
+        rim.iter().filter(|covered| **covered).count() as f32 <= COVERED * rim.len() as f32
+    }
+
+    /// Calls for each triangle of the instances whose bounds are wanted, in world space, with the sign of its placement.
+    fn visit_triangles(&self, is_wanted: impl Fn(&Bounds) -> bool, mut visit: impl FnMut([Vec3; 3], f32)) {
         let pose = self.pose();
         for instance in self.instances_in(&pose.world_from_nodes) {
-            if self.instance_bounds(&pose, &instance).is_none_or(|bounds| bounds.min.y > lowest) {
+            if !self.instance_bounds(&pose, &instance).is_some_and(|bounds| is_wanted(&bounds)) {
                 continue;
             }
             let vertices = self.world_vertices(&pose, &instance);
             let mirrored = crate::mirror_sign(&instance.world_from_mesh);
             for triangle in &self.meshes[instance.mesh.0].triangles {
-                let corners = triangle.map(|index| vertices.positions[index as usize]);
-                if corners.iter().all(|corner| corner.y > lowest) {
-                    continue;
-                }
-                let normal = mirrored * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-                let faces_up = normal.y > LEVEL * normal.length();
-                let local = corners.map(|p| ((Vec2::new(p.x, p.z) - corner) / cell).extend(p.y));
-                visit_cells(local, |index, height| {
-                    if height < cells[index].0 {
-                        cells[index] = (height, faces_up);
-                    }
-                });
+                visit(triangle.map(|index| vertices.positions[index as usize]), mirrored);
             }
         }
-        let filled = cells.iter().filter(|(height, faces_up)| *faces_up && *height <= lowest).count();
-        filled as f32 >= FILLED * cells.len() as f32
+    }
+}
+
+/// A grid over the rectangle around a scene, seen from above.
+struct Cells {
+    corner: Vec2,
+    cell: Vec2,
+    /// Up to this height lies what is low.
+    lowest: f32,
+}
+
+impl Cells {
+    /// `None` for what has no area from above.
+    fn around(bounds: &Bounds) -> Option<Self> {
+        let size = bounds.max - bounds.min;
+        let cell = Vec2::new(size.x, size.z) / CELLS as f32;
+        let corner = Vec2::new(bounds.min.x, bounds.min.z);
+        (cell.min_element() > 0.0).then_some(Self { corner, cell, lowest: bounds.min.y + LOW * size.y })
+    }
+
+    /// A triangle in cells, with its heights.
+    fn of(&self, corners: [Vec3; 3]) -> [Vec3; 3] {
+        corners.map(|p| ((Vec2::new(p.x, p.z) - self.corner) / self.cell).extend(p.y))
     }
 }
 
@@ -194,6 +260,18 @@ mod tests {
         assert!(!of(vec![cube(), plate(0.8)]).brings_ground(), "a roof is no ground");
         assert!(!of(vec![cube(), square(Vec3::new(9.0, 0.0, 0.5), 0.4)]).brings_ground(), "a small plate");
         assert!(of(vec![cube(), plate(0.0)]).brings_ground());
+        // Walls along the edges of a plate, but for one side; one wall alone.
+        let wall = |min: [f32; 2], max: [f32; 2]| {
+            block(Vec3::new(min[0], 0.0, min[1]), Vec3::new(max[0], 1.0, max[1]))
+        };
+        let far = wall([-1.4, -1.4], [2.4, -1.3]);
+        let sides = [wall([-1.4, -1.4], [-1.3, 2.4]), wall([2.3, -1.4], [2.4, 2.4])];
+        assert!(of(vec![cube(), plate(0.0), far.clone()]).brings_ground());
+        let [left, right] = sides;
+        assert!(
+            !of(vec![cube(), plate(0.0), far, left, right]).brings_ground(),
+            "a box that is open in front"
+        );
         // Of a plate whose corner is bent up, no box is flat.
         let mut bent = plate(0.0);
         bent.positions[0].y = 0.05;
@@ -201,14 +279,16 @@ mod tests {
         // The inside of a room.
         let mut room = block(Vec3::splat(-3.0), Vec3::splat(4.0));
         room.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-        assert!(of(vec![cube(), room.clone()]).brings_ground());
+        let roomy = of(vec![cube(), room.clone()]);
+        assert!(roomy.has_floor() && !roomy.brings_ground(), "a floor that ends with its walls");
+        assert!(!of(vec![cube()]).has_floor());
         // Mirrored it is the outside.
         let mut mirrored = of(vec![room]);
         mirrored.nodes[0] = Node {
             parent_from_node: Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)),
             ..mirrored.nodes[0].clone()
         };
-        assert!(mirrored.brings_ground(), "a placement that mirrors turns no room inside out");
+        assert!(mirrored.has_floor(), "a placement that mirrors turns no room inside out");
         // One with a thick floor is a place where it is looked at from within.
         let mut looked_at = of(vec![block(Vec3::splat(-3.0), Vec3::splat(4.0))]);
         looked_at.cameras.push(crate::Camera::look_at(Vec3::new(1.0, 0.0, 6.0), Vec3::ZERO, 1.0));

@@ -29,7 +29,7 @@ fn full_irradiance(n: vec3f) -> vec3f {
         let emitter = emitters.emitters[i];
         irradiance += emitter.radiance * disk_form_factor(n, emitter.direction, emitter.angular_radius);
     }
-    return irradiance;
+    return view.environment_factor * irradiance;
 }
 
 // Of the ray that the camera sees a sample along.
@@ -43,7 +43,7 @@ fn background_towards(direction: vec3f) -> vec3f {
     if (view.flags & FLAG_BACKGROUND) == 0u {
         return vec3f(0.0);
     }
-    return equirect_lookup(background, environment_direction(direction), 0) * view.background_scale;
+    return equirect_lookup(background, environment_direction(direction), 0) * view.background_factor;
 }
 
 // The same through a sample.
@@ -66,6 +66,11 @@ struct Shaded {
     lit: vec3f,
 }
 
+// Radiance of a prefiltered map towards a direction in its frame.
+fn prefiltered_lookup(map: texture_2d<f32>, direction: vec3f, level: f32) -> vec3f {
+    return view.environment_factor * equirect_lookup_level(map, direction, level);
+}
+
 // What lies on the base reflects of the ambient rest; sheen is taken as matte.
 fn finish_ambient(surface: Surface) -> vec3f {
     let lobe = coat_lobe_of(surface);
@@ -73,7 +78,7 @@ fn finish_ambient(surface: Surface) -> vec3f {
     let n_dot_v = max(dot(n, surface.wo), 1e-4);
     let albedo = default_albedo(lobe, n_dot_v, environment_brdf(n_dot_v, lobe.shape));
     let level = prefiltered_level(alpha_from_roughness(lobe.shape), f32(textureNumLevels(prefiltered_residual) - 1u));
-    let coat = equirect_lookup_level(prefiltered_residual, environment_direction(reflect(-surface.wo, n)), level) * albedo;
+    let coat = prefiltered_lookup(prefiltered_residual, environment_direction(reflect(-surface.wo, n)), level) * albedo;
     let irradiance = max(sh_irradiance(view.residual_sh, environment_direction(surface.n)), vec3f(0.0));
     return coat + sheen_albedo_of(surface) / PI * irradiance;
 }
@@ -113,7 +118,7 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
         let is_traced = (view.flags & FLAG_TRACED_GLOSS) != 0u;
         var ambient_specular = vec3f(0.0);
         if !is_traced {
-            ambient_specular = equirect_lookup_level(prefiltered_residual, reflected_environment, level) * specular_albedo;
+            ambient_specular = prefiltered_lookup(prefiltered_residual, reflected_environment, level) * specular_albedo;
             if has_finish(surface) {
                 ambient_specular = base_share(surface) * ambient_specular + finish_ambient(surface);
             }
@@ -126,9 +131,9 @@ fn shade(surface: Surface, sums: LightSums) -> Shaded {
         } else if (view.flags & FLAG_SAMPLED_GLOSS) != 0u || is_tabulated(surface.lobe) || has_finish(surface) {
             full_specular = sampled_specular(surface);
         } else if layer >= 0 {
-            full_specular = cached_radiance(layer, reflected, n_dot_v, surface.lobe);
+            full_specular = view.environment_factor * cached_radiance(layer, reflected, n_dot_v, surface.lobe);
         } else {
-            full_specular = equirect_lookup_level(prefiltered_full, reflected_environment, level) * specular_albedo;
+            full_specular = prefiltered_lookup(prefiltered_full, reflected_environment, level) * specular_albedo;
         }
         shaded.specular = composite(
             full_specular,

@@ -149,7 +149,7 @@ fn lights_view(id: vec2u) {
     if parameters.lights_before == 0u {
         // Filmic shoulder x / (1 + x).
         let w_environment = (view.environment_from_world * vec4f(w, 0.0)).xyz;
-        let radiance = max(equirect_lookup(background, w_environment, 0) * view.background_scale, vec3f(0.0)) * parameters.exposure;
+        let radiance = max(equirect_lookup(background, w_environment, 0) * view.background_factor, vec3f(0.0)) * parameters.exposure;
         textureStore(picture, id, vec4f(select(radiance / (1.0 + radiance), EMPTY, outside), 1.0));
     }
     if outside {

@@ -4,7 +4,8 @@
 
 // The frame of the pass that makes a picture of the sums: the environment.
 
-// The whole environment as the camera sees it, in units of view.background_scale.
+// The whole environment as the camera sees it, in units of view.background_factor. All other maps are in those of
+// view.environment_factor.
 @group(GROUP_FRAME) @binding(1) var background: texture_2d<f32>;
 // Irradiance over the sphere of normals of all but the emitters.
 @group(GROUP_FRAME) @binding(2) var irradiance_rest: texture_2d<f32>;

@@ -39,7 +39,8 @@ fn lobe_sample(surface: Surface, u: vec2f, count: u32) -> LobeSample {
     let direction = world_from_local(surface.frame, wi);
     let towards = (view.environment_from_world * vec4f(direction, 0.0)).xyz;
     let reflected = gloss_value(surface, wo, wi) * (wi.z / (pdf * f32(count)));
-    return LobeSample(direction, reflected * equirect_lookup_level(environment_levels, towards, level), reflected);
+    let radiance = view.environment_factor * equirect_lookup_level(environment_levels, towards, level);
+    return LobeSample(direction, reflected * radiance, reflected);
 }
 
 // Rays of a lobe: its share of all that the surface reflects, for the rest hides their grain, and fewer of narrow ones, where what all of them see

@@ -34,10 +34,16 @@ fn add_weighted(sums: ptr<function, LightSums>, weight: f32, more: LightSums) {
     (*sums).specular_near += weight * more.specular_near;
 }
 
+// Brings sharpness to a unit of the light that there is at most, so that its logarithm lies around 0 under any environment.
+fn sharpness_scale() -> f32 {
+    return view.sum_scales.x / 32768.0;
+}
+
 // One word holds what probes see or, where sums are evened out, their grain: there are no probes then.
 fn shared_word(sums: LightSums) -> u32 {
     if (view.flags & FLAG_EVENED_SUMS) != 0u {
-        return pack2x16float(vec2f(log2(max(sums.sharpness, 1e-30)), view.sum_scales.x * sqrt(sums.variance)));
+        let sharpness = sharpness_scale() * sums.sharpness;
+        return pack2x16float(vec2f(log2(max(sharpness, 1e-30)), view.sum_scales.x * sqrt(sums.variance)));
     }
     return pack2x16float(vec2f(sums.probed, sums.probed_open));
 }
@@ -45,7 +51,7 @@ fn shared_word(sums: LightSums) -> u32 {
 fn share_word(sums: ptr<function, LightSums>, word: u32) {
     if (view.flags & FLAG_EVENED_SUMS) != 0u {
         let grain = unpack2x16float(word);
-        (*sums).sharpness = exp2(grain.x);
+        (*sums).sharpness = exp2(grain.x) / sharpness_scale();
         (*sums).variance = grain.y * grain.y / (view.sum_scales.x * view.sum_scales.x);
         return;
     }

@@ -43,7 +43,8 @@ fn sent_by(surface: Surface, origin: vec3f, number: u32) -> vec3f {
         u = select((u * cosines - cosine) / max(cosines - cosine, 1e-20), u * cosines / max(cosine, 1e-20), takes);
     }
     let towards_sky = (vec4f(textureLoad(sky_samples, vec2u(chosen, 0u), 0).xyz, 0.0) * view.environment_from_world).xyz;
-    let irradiance = textureLoad(sky_samples, vec2u(chosen, 1u), 0).rgb * (cosines * f32(SKY_SAMPLES / SKY_BLOCK));
+    let given = view.environment_factor * textureLoad(sky_samples, vec2u(chosen, 1u), 0).rgb;
+    let irradiance = given * (cosines * f32(SKY_SAMPLES / SKY_BLOCK));
     let n_dot_v = max(dot(surface.n, surface.wo), 1e-4);
     let weight = matte_weight_of(surface, sqrt(0.5 + 0.5 * n_dot_v));
     var sent = surface.diffuse_color / PI * weight * irradiance;

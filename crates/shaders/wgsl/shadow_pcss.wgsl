@@ -163,14 +163,17 @@ fn visibility(light: u32, point: u32, position_world: vec3f, normal_world: vec3f
     let bias = lights[light].bias_scale * input.parameters.depth_bias;
     let seen =
         Seen(light, outline, unit_outline(outline), outline_weights(outline_seen, n), normal_world * outline_seen, receiver, gradient, bias);
+    let half_size = box_half_extent(light);
     var left = 1.0;
     let blockers = blocker_search(seen);
-    if blockers.y > 0.0 {
-        left = share_left(seen, blockers.x);
+    // The surface itself hides what is below it, on whichever side of the shading normal.
+    let is_cut = seen.facet_cosines.x < dot(abs(seen.facet_cosines.yz), half_size) && any(n != normal_world);
+    if blockers.y > 0.0 || is_cut {
+        left = share_left(seen, select(receiver.w, blockers.x, blockers.y > 0.0));
     }
     // A curved surface that the light grazes would be its own near blocker.
     let n_dot_l = dot(normal_world, normalize(outline_seen[0]));
-    let half_extent = box_half_extent(light) / select(length(outline_seen[0]), 1.0, lights[light].kind == KIND_DISTANT);
+    let half_extent = half_size / select(length(outline_seen[0]), 1.0, lights[light].kind == KIND_DISTANT);
     if left > 0.0 && n_dot_l > 0.5 * max(half_extent.x, half_extent.y) {
         let near = near_blocker_search(seen);
         if near.y > 0.0 {

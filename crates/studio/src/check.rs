@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use gnomon_envmap::Grade;
 use gnomon_lights::LightSet;
 use gnomon_metrics::{PixelSample, SampledError};
 use gnomon_picture::RgbImage;
@@ -30,6 +31,19 @@ impl Stage {
     pub fn check(&self, radiance: &RgbImage, pixels: usize) -> Result<SampledError, StudioError> {
         Truth::of(self)?.check(radiance, pixels, None)
     }
+
+    /// The same, given up once `cancel` is set.
+    ///
+    /// # Errors
+    /// As [`Stage::check`], and [`gnomon_reference::ReferenceError::Cancelled`].
+    pub fn check_until(
+        &self,
+        radiance: &RgbImage,
+        pixels: usize,
+        cancel: &AtomicBool,
+    ) -> Result<SampledError, StudioError> {
+        Truth::of(self)?.check(radiance, pixels, Some(cancel))
+    }
 }
 
 /// What the truth of a picture depends on.
@@ -37,6 +51,7 @@ struct Truth {
     scene: Arc<Scene>,
     camera: Camera,
     surroundings: Surroundings,
+    grade: Grade,
     background: bool,
     reflections: bool,
 }
@@ -45,8 +60,8 @@ impl Truth {
     fn of(stage: &Stage) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
         let background = stage.look().shows_environment();
-        let (surroundings, reflections) = (stage.surroundings().clone(), stage.reflects_scene());
-        Ok(Self { scene, camera, surroundings, background, reflections })
+        let (surroundings, grade) = (stage.surroundings().clone(), stage.grade());
+        Ok(Self { scene, camera, surroundings, grade, background, reflections: stage.reflects_scene() })
     }
 
     fn check(
@@ -66,7 +81,7 @@ impl Truth {
             progress: None,
             cancel,
         };
-        let sky = self.surroundings.sky();
+        let sky = self.surroundings.sky(self.grade);
         let traced = trace_pixels(&self.scene, &self.camera, sky, &options, &sample.places())?;
         Ok(sample.error(&traced))
     }

@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use gnomon_envmap::Grade;
 use gnomon_metrics::{relative_rmse, signed_difference};
 use gnomon_picture::RgbImage;
 use gnomon_reference::{Estimate, Progressive, ReferenceError, ReferenceOptions};
@@ -52,6 +53,7 @@ struct Key {
     scene: Arc<Scene>,
     surroundings: Surroundings,
     rotation: f32,
+    grade: Grade,
     background: bool,
     reflections: bool,
     camera: Camera,
@@ -63,7 +65,7 @@ impl Key {
         // The stage replaces what somebody else holds rather than changing it.
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.surroundings.is(&other.surroundings)
-            && (self.rotation, self.size) == (other.rotation, other.size)
+            && (self.rotation, self.grade, self.size) == (other.rotation, other.grade, other.size)
             && (self.background, self.reflections) == (other.background, other.reflections)
             && self.camera == other.camera
     }
@@ -124,6 +126,7 @@ impl Converging {
             scene: Arc::clone(stage.scene()),
             surroundings: stage.surroundings().clone(),
             rotation: stage.look().environment.rotation,
+            grade: stage.grade(),
             background: stage.look().shows_environment(),
             reflections: stage.reflects_scene(),
             camera: stage.camera()?,
@@ -159,7 +162,7 @@ impl Converging {
 impl Passes {
     fn start(key: &Key, stage: &Stage, executor: &dyn Executor) -> Result<Self, StudioError> {
         let (scene, camera) = stage.for_reference()?;
-        let surroundings = key.surroundings.clone();
+        let (surroundings, grade) = (key.surroundings.clone(), key.grade);
         let [width, height] = key.size;
         let options = ReferenceOptions {
             width,
@@ -182,7 +185,7 @@ impl Passes {
             let (scene, surroundings) = (scene, surroundings);
             let tell = |progress| *told.lock().unwrap_or_else(PoisonError::into_inner) = progress;
             let traced = async {
-                let mut passes = Progressive::new(&scene, &camera, surroundings.sky(), &options)?;
+                let mut passes = Progressive::new(&scene, &camera, surroundings.sky(grade), &options)?;
                 loop {
                     passes.add_pass(&cancelled)?;
                     tell(Ok(Some(picture_of(passes.estimate()))));

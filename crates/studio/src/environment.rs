@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
-use gnomon_envmap::{Equirect, LoadOptions, builtin, load};
+use gnomon_envmap::{Equirect, Grade, LoadOptions, builtin, load};
 use gnomon_lights::fit::FitSettings;
-use gnomon_lights::{DistantLight, FitOptions, LightDocument, LightSet, clamped};
+use gnomon_lights::{DistantLight, DocumentError, FitOptions, LightDocument, LightSet, clamped};
 use gnomon_messages::quoted;
 use gnomon_picture::RgbImage;
 use gnomon_reference::{MOST_UNASKED_TRIANGLES, Sky};
@@ -26,15 +26,15 @@ pub fn environment_named(name: &str) -> EnvironmentSource {
     }
 }
 
-/// What is infinitely far around a scene, as its look has it but for its turn.
+/// What is infinitely far around a scene, as its look has it but for its turn and its grade ([`Stage::grade`]): these change nothing that is made of it.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     /// What lights, but for `lights`.
     map: Arc<Equirect>,
     /// Lights beside it.
     lights: Arc<[DistantLight]>,
-    /// Whether they are all lights there are: no more are fitted to the map.
-    is_rig: bool,
+    /// The rig whose lights they are, as it shines; then they are all lights there are, and no more are fitted to the map.
+    rig: Option<Arc<LightDocument>>,
     /// The map before its brightest light became lights, where it did.
     unclamped: Option<Arc<Equirect>>,
     /// What the camera sees behind the scene, where that is another.
@@ -48,7 +48,7 @@ impl From<Arc<Equirect>> for Surroundings {
     fn from(map: Arc<Equirect>) -> Self {
         let exposure = map.suitable_exposure();
         let lights = Arc::default();
-        Self { map, lights, is_rig: false, unclamped: None, background: None, exposure }
+        Self { map, lights, rig: None, unclamped: None, background: None, exposure }
     }
 }
 
@@ -63,6 +63,11 @@ impl Surroundings {
         self.unclamped.as_ref().unwrap_or(&self.map)
     }
 
+    /// The rig in the place of fitted lights, as it shines.
+    pub fn rig(&self) -> Option<&LightDocument> {
+        self.rig.as_deref()
+    }
+
     /// Lights beside it: a rig's, and what was taken out of the brightest texels ([`EnvironmentLook::clamp`]).
     pub fn lights(&self) -> &[DistantLight] {
         &self.lights
@@ -74,14 +79,14 @@ impl Surroundings {
     }
 
     /// For the reference.
-    pub fn sky(&self) -> Sky<'_> {
+    pub(crate) fn sky(&self, grade: Grade) -> Sky<'_> {
         let background = self.background.as_ref().unwrap_or(&self.map);
-        Sky { map: &self.map, lights: &self.lights, background }
+        Sky { map: &self.map, lights: &self.lights, background, grade }
     }
 
     /// What a fit takes for a scene under these.
     fn fit_options(&self, look: &Look, scene: &FitScene) -> Result<FitOptions, StudioError> {
-        match self.is_rig {
+        match self.rig.is_some() {
             true => Ok(look.fit.options(scene.ground)?),
             false => scene.options(&look.fit),
         }
@@ -92,7 +97,7 @@ impl Surroundings {
     /// # Errors
     /// As [`fit_lights`].
     pub fn fit_lights(&self, fit: &FitSettings, options: &FitOptions) -> Result<LightSet, StudioError> {
-        if self.is_rig {
+        if self.rig.is_some() {
             let set = LightSet::new("rig", self.lights.to_vec(), Equirect::clone(&self.map));
             return Ok(LightSet { stands_alone: true, ..set });
         }
@@ -112,7 +117,7 @@ impl Surroundings {
     }
 }
 
-/// Reads or makes the surroundings of a look as they are, not turned; with what had to be repaired, a line each.
+/// Reads or makes the surroundings of a look as they are, neither turned nor graded; with what had to be repaired, a line each.
 ///
 /// # Errors
 /// Unreadable files, pictures of no known layout, names of nothing, rigs that cannot be.
@@ -144,7 +149,7 @@ impl Reader<'_> {
             Some(rig) => self.rig(Path::new(rig), look)?,
             None => self.environment(look)?.into(),
         };
-        surroundings = surroundings.clamped(environment).graded(environment);
+        surroundings = surroundings.clamped(environment);
         if let Some(background) = &environment.background_map {
             surroundings.background =
                 Some(Arc::new(self.map(Path::new(background), LoadOptions::default())?));
@@ -190,27 +195,37 @@ impl Reader<'_> {
             None => std::fs::read_to_string(path)
                 .map_err(|source| StudioError::Read { path: path.to_owned(), source })?,
         };
-        let rig = LightDocument::from_json(&text).map_err(|error| invalid(quoted(&error.to_string())))?;
+        let refused = |error: DocumentError| invalid(quoted(&error.to_string()));
+        let mut rig = LightDocument::from_json(&text).map_err(refused)?;
+        if let Some(edited) = look.edited_rig() {
+            edited.apply(&mut rig);
+            rig.check().map_err(refused)?;
+        }
         let beside = |file: &String| path.parent().unwrap_or(Path::new("")).join(file);
-        let map = match &rig.residual {
+        let mut map = match &rig.residual {
             Some(file) => self.map(&beside(file), LoadOptions::default())?,
             None if rig.residual_flux.iter().any(|flux| *flux > 0.0) => {
                 return Err(invalid(
                     "its lights leave a map (residual_flux), but it names none (residual)".to_owned(),
                 ));
             }
-            None => Equirect::new(RgbImage::filled(BLACK.0, BLACK.1, Vec3::ZERO)),
+            None => black(),
         };
-        let background = match (&look.map, &rig.background) {
+        let mut background = match (&look.map, &rig.background) {
             (Some(_), _) => Some(self.environment(look)?),
             (None, Some(file)) => Some(Arc::new(self.map(&beside(file), LoadOptions::default())?)),
             (None, None) => None,
         };
         let exposure = background.as_deref().unwrap_or(&map).suitable_exposure();
+        if look.edited_rig().is_some_and(|edited| edited.solo.is_some()) {
+            let residual = std::mem::replace(&mut map, black());
+            background.get_or_insert_with(|| Arc::new(residual));
+        }
+        let lights = rig.shining().into();
         Ok(Surroundings {
             map: Arc::new(map),
-            lights: rig.shining().into(),
-            is_rig: true,
+            lights,
+            rig: Some(Arc::new(rig)),
             unclamped: None,
             background,
             exposure,
@@ -218,12 +233,15 @@ impl Reader<'_> {
     }
 }
 
-/// Size of a map of nothing.
-const BLACK: (u32, u32) = (8, 4);
+/// A map of nothing.
+fn black() -> Equirect {
+    Equirect::new(RgbImage::filled(8, 4, Vec3::ZERO))
+}
 
 impl Surroundings {
     /// The same with the brightest light of the map as lights, as a look asks for. The camera sees the whole map.
-    fn clamped(mut self, look: &EnvironmentLook) -> Self {
+    #[must_use]
+    pub fn clamped(mut self, look: &EnvironmentLook) -> Self {
         let Some(limit) = look.clamp else { return self };
         let (map, lights) = clamped(&self.map, limit);
         if !lights.is_empty() {
@@ -233,26 +251,6 @@ impl Surroundings {
         }
         self
     }
-
-    /// The same with all light multiplied as a look asks for.
-    #[must_use]
-    pub fn graded(mut self, look: &EnvironmentLook) -> Self {
-        if !look.is_graded() {
-            return self;
-        }
-        let factor = look.strength * Vec3::from(look.tint);
-        self.map = graded(&self.map, factor);
-        self.background = self.background.as_deref().map(|map| graded(map, factor));
-        self.unclamped = self.unclamped.as_deref().map(|map| graded(map, factor));
-        self.lights = self.lights.iter().map(|light| light.times(factor)).collect();
-        self
-    }
-}
-
-fn graded(map: &Equirect, factor: Vec3) -> Arc<Equirect> {
-    let radiance = map.radiance();
-    let texel = |x, y| (radiance.get(x, y) * factor).min(Vec3::MAX);
-    Arc::new(Equirect::new(RgbImage::from_fn(map.width(), map.height(), texel)))
 }
 
 fn no_environment(name: &str, names: &str) -> StudioError {
@@ -375,7 +373,7 @@ fn lit(
     }
     let lights = surroundings.fit_lights(&look.fit, options)?;
     let settings = RenderSettings { lighting: look.lighting.clone(), ..RenderSettings::default() };
-    let mut prepared = match surroundings.unclamped.as_ref().filter(|_| !surroundings.is_rig) {
+    let mut prepared = match surroundings.unclamped.as_ref().filter(|_| surroundings.rig.is_none()) {
         // Unshadowed light is that of the whole map.
         Some(whole) => PreparedLighting::new(whole, &lights, &settings)?.with_mirrored(&surroundings.map),
         None => PreparedLighting::new(&surroundings.map, &lights, &settings)?,

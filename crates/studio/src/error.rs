@@ -2,11 +2,12 @@ use std::io;
 use std::path::PathBuf;
 
 use gnomon_envmap::EnvMapError;
-use gnomon_lights::FitError;
+use gnomon_lights::{DocumentError, FitError};
 use gnomon_metrics::MetricsError;
 use gnomon_picture::ImageError;
 use gnomon_reference::ReferenceError;
 use gnomon_renderer::RenderError;
+use gnomon_rigs::RigError;
 use gnomon_scene::SceneError;
 use gnomon_scene_files::SceneFileError;
 
@@ -56,6 +57,12 @@ pub enum StudioError {
     /// The pictures cannot be compared.
     #[error(transparent)]
     Metrics(#[from] MetricsError),
+    /// A light rig cannot be.
+    #[error(transparent)]
+    Rig(#[from] DocumentError),
+    /// A light rig could not be written.
+    #[error(transparent)]
+    WriteRig(#[from] RigError),
     /// A picture could not be read or written.
     #[error(transparent)]
     Image(#[from] ImageError),

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use glam::Vec3;
 use gnomon_brdf::Surface;
-use gnomon_envmap::{LoadOptions, Projection};
+use gnomon_envmap::{Grade, LoadOptions, Projection};
 use gnomon_lights::fit::FitSettings;
 use gnomon_options::{
     Given, Group, OptionField, OptionSpec, Options, angle, any_number, choice, color, file, number, settings,
@@ -17,7 +18,7 @@ use gnomon_scene::{CAMERA_HEIGHT, Camera, Emission, Ground, ReflectanceSettings}
 use gnomon_scene_files::{Axes, EnvironmentSource, UNITS, UpAxis};
 use serde::{Deserialize, Serialize};
 
-use crate::StudioError;
+use crate::{EditedRig, StudioError};
 
 /// How a scene is looked at. The default is what `gnomon render` does without options.
 ///
@@ -42,6 +43,9 @@ pub struct Look {
     pub map: Option<EnvironmentSource>,
     /// How it is read and turned: of `[environment]`.
     pub environment: EnvironmentLook,
+    /// Its light rig as it is edited, where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<EditedRig>,
     /// From where it is seen.
     pub camera: CameraLook,
     /// What is added to it: of the outer table.
@@ -101,9 +105,11 @@ settings! {
 }
 
 impl EnvironmentLook {
-    /// Whether its light is not as its files have it.
-    pub(crate) fn is_graded(&self) -> bool {
-        (self.strength, self.tint) != (1.0, [1.0; 3])
+    /// What the environment's radiance is multiplied by. A background of its own is seen as it is.
+    pub fn grade(&self) -> Grade {
+        let light = self.strength * Vec3::from(self.tint);
+        let background = if self.background_map.is_some() { Vec3::ONE } else { light };
+        Grade { light, background }
     }
 
     /// With other paths of its files.
@@ -113,9 +119,9 @@ impl EnvironmentLook {
         Ok(Self { rig, background_map, ..self.clone() })
     }
 
-    /// Takes over another's turn.
-    fn turned_as(&self, other: &Self) -> Self {
-        Self { rotation: other.rotation, ..self.clone() }
+    /// Takes over how another is turned and graded: maps, lights and what is made of them stay as they are.
+    pub(crate) fn shown_as(&self, other: &Self) -> Self {
+        Self { rotation: other.rotation, strength: other.strength, tint: other.tint, ..self.clone() }
     }
 }
 
@@ -188,12 +194,14 @@ impl Look {
             // Another file comes as it is turned now.
             self.map.clone_from(&after.map);
             self.environment = after.environment.clone();
+            self.rig.clone_from(&after.rig);
         }
     }
 
     /// Whether the environment is the same but for its turn.
     pub(crate) fn has_map_of(&self, other: &Self) -> bool {
-        (&self.map, self.environment.turned_as(&other.environment)) == (&other.map, other.environment.clone())
+        let own = self.environment.shown_as(&other.environment);
+        (&self.map, &own, self.edited_rig()) == (&other.map, &other.environment, other.edited_rig())
     }
 
     /// Whether the environment is seen behind the scene.
@@ -209,7 +217,7 @@ impl Look {
     /// Takes another environment, as it is.
     pub fn set_environment(&mut self, source: EnvironmentSource) {
         self.map = Some(source);
-        self.environment = EnvironmentLook::default();
+        (self.environment, self.rig) = Default::default();
     }
 
     /// Gives one material, by its number in the scene, the reflectance of a surface.

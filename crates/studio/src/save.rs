@@ -75,7 +75,7 @@ impl Stage {
     /// paths relative to itself where that can be.
     ///
     /// # Errors
-    /// [`StudioError::Request`] for a scene or an environment that no file can name; a scene file that is no longer there; files that cannot
+    /// [`StudioError::Request`] for a scene or an environment that no file can name, and for edits of a rig; a scene file that is no longer there; files that cannot
     /// be written.
     pub fn save_scene(&self, path: &Path) -> Result<(), StudioError> {
         if let SceneSource::Files(files) = self.source() {
@@ -106,6 +106,11 @@ impl Stage {
     fn written(&self, place: &Place<'_>) -> Result<String, StudioError> {
         let mut scene = self.scene_tables(place)?;
         let look = self.look();
+        if look.edited_rig().is_some() {
+            return Err(StudioError::Request(
+                "the light rig has edits that no scene file can hold: save the rig first".to_owned(),
+            ));
+        }
         // The scene's own camera is found again, and goes on moving where a clip moves it.
         let is_own = look.camera == CameraLook::Automatic && self.reloads_its_camera();
         let camera = scene.get("camera").filter(|_| is_own).cloned();
@@ -211,14 +216,14 @@ fn read_tables(path: &Path, text: &str, place: &Place<'_>) -> Result<Table, Stud
 }
 
 /// The folder in which a scene file is to lie, from where it names others.
-enum Place<'a> {
+pub(crate) enum Place<'a> {
     Disk(&'a Path),
     /// Among the files that a program gave.
     Among(&'a Path),
 }
 
 impl Place<'_> {
-    fn name(&self, path: &Path) -> Result<String, StudioError> {
+    pub(crate) fn name(&self, path: &Path) -> Result<String, StudioError> {
         match self {
             Self::Disk(folder) => relative(path, folder),
             Self::Among(folder) => way(&plain(path), &plain(folder)),

@@ -3,10 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Grade};
 use gnomon_options::Options;
+use gnomon_reference::Sky;
 use gnomon_renderer::Reflections;
-use gnomon_scene::{Bounds, Camera, Emission, Scene, camera_around};
+use gnomon_scene::{Bounds, Camera, Emission, Ground, Scene, camera_around};
 
 use crate::environment::{FitScene, Surroundings, surroundings_of};
 use crate::look::{AnimationLook, CameraLook};
@@ -38,6 +39,8 @@ struct Loaded {
     /// The same for looks that set the reflectance, which then copies no mesh.
     separated: OnceLock<Scene>,
     stands_on_ground: bool,
+    /// [`Scene::has_floor`], where a look asks for a ground.
+    has_floor: OnceLock<bool>,
     /// Width over height of the pictures that it was loaded for.
     aspect: f32,
 }
@@ -70,7 +73,9 @@ impl LookChange {
 impl Loaded {
     fn new(mut scene: Scene, aspect: f32) -> Self {
         scene.rest();
-        Self { stands_on_ground: scene.stands_on_ground(), scene, separated: OnceLock::new(), aspect }
+        let stands_on_ground = scene.stands_on_ground();
+        let (separated, has_floor) = Default::default();
+        Self { stands_on_ground, scene, separated, has_floor, aspect }
     }
 
     fn reach(&self, look: &AnimationLook) -> Result<Option<Bounds>, StudioError> {
@@ -99,7 +104,9 @@ impl Loaded {
             light.radiance *= look.scene.lamp_strength;
         }
         // The ground's mesh is that of the file's pose in every clip: only its node moves.
-        scene.add_ground_under(look.scene.ground, look.scene.ground_camera_height, reach);
+        let has_floor =
+            look.scene.ground != Ground::None && *self.has_floor.get_or_init(|| self.scene.has_floor());
+        scene.add_ground_under(look.scene.ground, look.scene.ground_camera_height, reach, has_floor);
         let count = scene.materials.len();
         for (&index, settings) in &look.surfaces {
             let material = scene.materials.get_mut(index).ok_or_else(|| {
@@ -195,12 +202,12 @@ impl Stage {
         }
     }
 
-    /// The map that lights, as it is drawn but for its turn.
+    /// The map that lights, as it is drawn but for its turn and its grade.
     pub fn environment(&self) -> &Arc<Equirect> {
         self.surroundings.map()
     }
 
-    /// Everything around the scene, as it is drawn but for its turn.
+    /// Everything around the scene, as it is drawn but for its turn and its grade.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
     }
@@ -260,12 +267,22 @@ impl Stage {
         Quat::from_rotation_y(self.look.environment.rotation.to_radians())
     }
 
+    /// What the environment's radiance is multiplied by.
+    pub fn grade(&self) -> Grade {
+        self.look.environment.grade()
+    }
+
+    /// What is around the scene of [`Stage::for_reference`].
+    pub fn sky(&self) -> Sky<'_> {
+        self.surroundings.sky(self.grade())
+    }
+
     /// Whether glossy surfaces reflect the scene in its pictures: a rig's lights are reflected alone.
     pub fn reflects_scene(&self) -> bool {
         self.look.paths.reflections == Reflections::Scene && self.look.environment.rig.is_none()
     }
 
-    /// Scene and view for the reference, under [`Stage::surroundings`] as they are: instead of it they turn, the other way, so that no texel of it is
+    /// Scene and view for the reference, under [`Stage::sky`]: instead of it they turn, the other way, so that no texel of it is
     /// resampled.
     ///
     /// # Errors

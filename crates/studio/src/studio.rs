@@ -20,7 +20,7 @@ use crate::frame_rate::{DrawnFrame, FrameRate, FramesInFlight};
 use crate::job::Job;
 use crate::look::EnvironmentLook;
 use crate::stage::LookChange;
-use crate::{Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
+use crate::{EditedRig, Executor, Look, ReferencePicture, Stage, StudioError, default_executor};
 
 mod drawing;
 mod take_over;
@@ -33,7 +33,7 @@ use take_over::{LoadedStage, SceneRequest};
 /// |---|---|
 /// | camera | none |
 /// | [`Look::display`]: exposure, tone mapping, background | settings of the next frame |
-/// | the environment's rotation | directions of the lights |
+/// | the environment's rotation, strength and tint | directions and radiance of the lights |
 /// | clip, time | a pose to the GPU |
 /// | reflectance | materials to the GPU |
 /// | [`Look::techniques`]: visibility, samples, sizes of shadow maps | pipelines and shadow maps; meshes and textures stay |
@@ -64,8 +64,9 @@ pub struct Studio {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightingKey {
     map: Option<EnvironmentSource>,
-    /// How it is read; its turn is another matter.
+    /// How it is read; turn and grade are another matter.
     environment: EnvironmentLook,
+    rig: Option<EditedRig>,
     fit: FitSettings,
     /// Whether the scene stands on one, where that makes other lights.
     ground: bool,
@@ -80,7 +81,8 @@ impl LightingKey {
             map: look.map.clone(),
             // Else turning needs no new lights.
             interior_turn: is_interior.then_some(look.environment.rotation),
-            environment: EnvironmentLook { rotation: 0.0, ..look.environment.clone() },
+            environment: look.environment.shown_as(&EnvironmentLook::default()),
+            rig: look.edited_rig().cloned(),
             fit: look.fit.clone(),
             ground: ground && look.fit.heeds_ground(),
             lighting: look.lighting.clone(),
@@ -88,14 +90,14 @@ impl LightingKey {
     }
 
     fn same_map(&self, other: &Self) -> bool {
-        (&self.map, &self.environment) == (&other.map, &other.environment)
+        (&self.map, &self.environment, &self.rig) == (&other.map, &other.environment, &other.rig)
     }
 
     /// Puts a look back to what these lights are for.
     fn restore(&self, look: &mut Look) {
         look.map = self.map.clone();
-        let rotation = look.environment.rotation;
-        look.environment = EnvironmentLook { rotation, ..self.environment.clone() };
+        look.environment = self.environment.shown_as(&look.environment);
+        look.rig.clone_from(&self.rig);
         look.fit = self.fit.clone();
         look.lighting = self.lighting.clone();
     }
@@ -169,12 +171,12 @@ impl Studio {
         self.stage.scene()
     }
 
-    /// The environment as it is drawn, but for its turn.
+    /// The environment as it is drawn, but for its turn and its grade.
     pub fn environment(&self) -> &Equirect {
         self.stage.environment()
     }
 
-    /// The lights that stand for it, not turned.
+    /// The lights that stand for it, neither turned nor graded.
     pub fn lights(&self) -> &LightSet {
         &self.lights
     }
@@ -236,6 +238,7 @@ impl Studio {
         Change {
             settings: Some(RenderSettings { measure, ..stage.look().settings(stage.exposure()) }),
             world_from_environment: Some(stage.world_from_environment()),
+            grade: Some(stage.grade()),
             ..Change::default()
         }
     }
@@ -317,6 +320,7 @@ fn renderer_of(gpu: &Gpu, stage: &Stage, prepared: PreparedLighting) -> Result<R
     renderer.change(Change {
         scene: Some(SceneChange::Whole(stage.scene())),
         world_from_environment: Some(stage.world_from_environment()),
+        grade: Some(stage.grade()),
         lighting: Some(LightingChange::Prepared(Box::new(prepared))),
         ..Change::default()
     })?;

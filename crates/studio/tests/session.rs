@@ -71,7 +71,10 @@ const EDITS: [Edit; 11] = [
         let camera: Camera = "eye=2,4,3; target=0,0.5,0; fov=50".parse().unwrap();
         look.camera = CameraLook::Free(camera);
     }),
-    ("rotation", |look| look.environment.rotation = 77.0),
+    ("rotation, strength and tint", |look| {
+        look.environment.rotation = 77.0;
+        (look.environment.strength, look.environment.tint) = (1.7, [1.0, 0.9, 0.7]);
+    }),
     ("technique", |look| look.techniques.shadows = "pcf".to_owned()),
     ("reflectance", |look| look.reflectance = Some("phong:shininess=30,specular=0.4".parse().unwrap())),
     ("one surface", |look| {

@@ -58,6 +58,10 @@ pub struct Viewer {
     pub picture_path: String,
     /// See [`Viewer::picture_path`].
     pub scene_path: String,
+    /// See [`Viewer::picture_path`].
+    pub rig_path: String,
+    /// Which light of a rig is edited.
+    pub rig_light: usize,
 }
 
 impl Viewer {
@@ -90,6 +94,8 @@ impl Viewer {
             playing: false,
             picture_path: "picture.png".to_owned(),
             scene_path: "scene.toml".to_owned(),
+            rig_path: "rig.json".to_owned(),
+            rig_light: 0,
             options,
         }
     }

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
+use glam::Vec3;
 use gnomon::envmap::Equirect;
 use gnomon::lights::{LightSet, fit, preview};
 use gnomon::options::Given;
@@ -138,7 +139,7 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     let asked = args.asked(target).fit;
     asked.fit(args.above_ground)?;
     let spinner = terminal.spinner("fitting");
-    let GivenEnvironment { whole: environment, fitted, taken_out } =
+    let GivenEnvironment { whole, fitted, taken_out, factor } =
         load_environment(&args.environment, &args.look.given, terminal)?;
     let options = match &args.scene {
         Some(scene) => {
@@ -150,6 +151,10 @@ pub fn run(args: &DecomposeArgs, terminal: Terminal) -> Result<(), CliError> {
     let mut lights = studio::fit_lights(&asked, &options, &fitted)?;
     lights.taken_out = taken_out.len();
     lights.lights.extend(taken_out);
+    let (environment, lights) = match factor == Vec3::ONE {
+        true => (whole, lights),
+        false => (Arc::new(whole.times(factor)), lights.times(factor)),
+    };
     if let Some(path) = &args.residual {
         gnomon::picture::write(path, lights.residual.radiance())?;
     }

@@ -72,7 +72,7 @@ pub fn run(args: &DemoArgs, terminal: Terminal) -> Result<(), CliError> {
         ..ReferenceOptions::default()
     };
     let (scene, camera) = studio.stage().for_reference()?;
-    let estimate = render(&scene, &camera, studio.environment(), &options)?;
+    let estimate = render(&scene, &camera, studio.stage().sky(), &options)?;
     drop(bar);
 
     let reference = &estimate.mean;

@@ -72,7 +72,7 @@ pub fn run(args: &ReferenceArgs, terminal: Terminal) -> Result<(), CliError> {
     let progress = |share| bar.set(share);
     let (scene, camera) = stage.for_reference()?;
     let options = ReferenceOptions { progress: Some(&progress), ..options };
-    let sky = stage.surroundings().sky();
+    let sky = stage.sky();
     let (estimate, alpha) = match stage.look().display.background {
         Background::Transparent => {
             let (estimate, alpha) = render_with_alpha(&scene, &camera, sky, &options)?;

@@ -233,7 +233,8 @@ fn stats(studio: &mut Studio, times: &Times) -> Value {
     let renderer = studio.renderer();
     let (adapter, bytes) = (json!(renderer.gpu().adapter()), renderer.shadow_bytes());
     let batches = renderer.shadow_batches();
-    let (stage, lights) = (studio.stage(), studio.lights());
+    let stage = studio.stage();
+    let lights = studio.lights().times(stage.grade().light);
     let [width, height] = stage.look().picture.size;
     let shares = lights.flux_shares();
     json!({

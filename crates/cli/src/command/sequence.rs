@@ -68,7 +68,7 @@ pub fn reference(
     job.run(terminal, |sequence, frame| {
         stage.set_look(sequence.look(frame))?;
         let (scene, camera) = stage.for_reference()?;
-        let sky = stage.surroundings().sky();
+        let sky = stage.sky();
         if stage.look().display.background == Background::Transparent {
             let (estimate, alpha) = reference::render_with_alpha(&scene, &camera, sky, options)?;
             return Ok((Drawn { alpha: Some(alpha), ..Drawn::new(estimate.mean) }, None));

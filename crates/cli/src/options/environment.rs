@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use glam::Vec3;
 use gnomon::envmap::{Equirect, builtin};
 use gnomon::lights::DistantLight;
 use gnomon::options::Given;
@@ -16,6 +17,8 @@ pub struct GivenEnvironment {
     /// Without what became lights of its own ([`studio::EnvironmentLook::clamp`]).
     pub fitted: Arc<Equirect>,
     pub taken_out: Vec<DistantLight>,
+    /// Of all this light, for what is made of it: it changes no fit.
+    pub factor: Vec3,
 }
 
 /// Reads or makes the environment that the command line names, and turns it as it is `given`. What had to be repaired is told as warnings.
@@ -39,6 +42,7 @@ pub fn load_environment(name: &str, given: &Given, terminal: Terminal) -> Result
         whole: turned(surroundings.whole_map()),
         fitted: turned(surroundings.map()),
         taken_out: surroundings.lights().iter().map(|light| light.rotated(turn)).collect(),
+        factor: look.environment.grade().light,
     })
 }
 

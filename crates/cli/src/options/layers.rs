@@ -20,9 +20,9 @@ pub struct LayerArgs {
 }
 
 fn help() -> String {
-    let layers = Layer::choices();
-    let width = 2 + layers.iter().map(|layer| layer.name.len()).max().unwrap_or(0);
-    let lines = layers.iter().map(|layer| format!("\n  {:<width$}{}", layer.name, layer.summary));
+    let choices = Layer::choices();
+    let width = choices.iter().map(|layer| layer.name.len()).max().unwrap_or(0) + 2;
+    let lines = choices.into_iter().map(|layer| format!("\n  {:<width$}{}", layer.name, layer.summary));
     format!("Write layers into the picture's OpenEXR file, several with commas:{}", lines.collect::<String>())
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Quat;
 use gnomon_brdf::Surface;
+use gnomon_envmap::Grade;
 use gnomon_lights::LightSet;
 use gnomon_scene::{PlacedFade, PlacedLight, Scene};
 
@@ -31,6 +32,8 @@ pub struct Change<'a> {
     pub scene: Option<SceneChange<'a>>,
     /// How the environment is turned: what was seen towards `d` is then seen towards `world_from_environment * d`.
     pub world_from_environment: Option<Quat>,
+    /// What the environment's radiance is multiplied by.
+    pub grade: Option<Grade>,
     /// Environment or lights.
     pub lighting: Option<LightingChange<'a>>,
 }
@@ -69,6 +72,7 @@ struct Next {
     rays: NextRays,
     relief: NextRelief,
     world_from_environment: Quat,
+    grade: Grade,
     scene: NextScene,
 }
 
@@ -134,7 +138,7 @@ impl Renderer {
 
     fn prepare(&self, change: Change<'_>) -> Result<Next, RenderError> {
         let is = &self.state;
-        let Change { settings, scene, world_from_environment, lighting } = change;
+        let Change { settings, scene, world_from_environment, grade, lighting } = change;
         let scene = scene.map_or(Ok(NextScene::default()), |scene| self.next_scene(scene))?;
         let surfaces = scene.surfaces.as_ref().unwrap_or(&self.surfaces);
         let models = self.gpu.models.with(surfaces);
@@ -146,6 +150,7 @@ impl Renderer {
         }
         let world_from_environment =
             world_from_environment.map_or(Ok(self.world_from_environment), checked_rotation)?;
+        let grade = grade.map_or(Ok(self.grade), checked_grade)?;
         let lighting = match lighting {
             None => None,
             Some(LightingChange::Prepared(prepared)) => {
@@ -241,6 +246,7 @@ impl Renderer {
             ray_scene: ray_scene.as_ref().or(self.ray_scene.as_ref()).filter(|_| traces_rays),
             traces_gloss,
             world_from_environment,
+            grade,
             bumps,
         });
         let lighting = lighting.or_else(|| in_force.filter(|_| needs_maps).cloned());
@@ -270,6 +276,7 @@ impl Renderer {
             rays,
             relief,
             world_from_environment,
+            grade,
             scene,
             chosen,
         })
@@ -325,6 +332,7 @@ impl Renderer {
             rays,
             relief,
             world_from_environment,
+            grade,
             scene,
         } = next;
         self.gpu = gpu;
@@ -396,8 +404,8 @@ impl Renderer {
         match (&mut is.lit, lit) {
             (lit, Some(new)) => *lit = Some(new),
             (Some(lit), None) => {
-                if world_from_environment != self.world_from_environment {
-                    lit.lighting.turn(world_from_environment);
+                if (world_from_environment, grade) != (self.world_from_environment, self.grade) {
+                    lit.lighting.set(world_from_environment, grade);
                     refit = true;
                 }
                 if refit {
@@ -406,7 +414,7 @@ impl Renderer {
             }
             (None, None) => {}
         }
-        self.world_from_environment = world_from_environment;
+        (self.world_from_environment, self.grade) = (world_from_environment, grade);
     }
 
     /// Brings to the GPU what was changed in buffers that stayed.
@@ -420,4 +428,11 @@ impl Renderer {
 fn checked_rotation(rotation: Quat) -> Result<Quat, RenderError> {
     in_range("length of the environment's rotation", rotation.length(), 0.999..=1.001)?;
     Ok(rotation.normalize())
+}
+
+fn checked_grade(grade: Grade) -> Result<Grade, RenderError> {
+    for factor in [grade.light, grade.background].map(|factor| factor.to_array()).concat() {
+        in_range("factor of the environment's radiance", factor, 0.0..=1e12)?;
+    }
+    Ok(grade)
 }

@@ -288,6 +288,7 @@ impl Renderer {
     ) -> layout::View {
         let (interleave, plan) = (target.gbuffer.interleave, &target.points.plan);
         let Chosen { settings, unshadowed, .. } = &self.state.chosen;
+        let [residual_sh, full_sh] = lit.lighting.spherical_harmonics();
         let environment_from_world = Mat4::from_quat(self.world_from_environment.inverse());
         let flag = |on, flag| if on { flag } else { 0 };
         layout::View {
@@ -316,9 +317,10 @@ impl Renderer {
             bumps: settings.techniques.bumps.shade().into(),
             rough_gloss_list: lit.batches.first_list() as u32,
             sum_scales: lit.sum_scales(),
-            background_scale: lit.lighting.seen_scale,
-            residual_sh: lit.lighting.residual_sh,
-            full_sh: lit.lighting.full_sh,
+            background_factor: lit.lighting.background_factor(),
+            environment_factor: lit.lighting.factor(),
+            residual_sh,
+            full_sh,
             environment_from_world,
             ground_center: self.ground.map_or(Vec3::ZERO, |ground| ground.center),
             ground_camera_height: self.ground.map_or(0.0, |ground| ground.camera_height),

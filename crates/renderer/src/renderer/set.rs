@@ -1,7 +1,7 @@
 //! Changes of one thing each, see [`Renderer::change`].
 
 use glam::Quat;
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Grade};
 use gnomon_lights::LightSet;
 use gnomon_scene::Scene;
 
@@ -61,6 +61,15 @@ impl Renderer {
     pub fn set_environment_rotation(&mut self, world_from_environment: Quat) -> Result<(), RenderError> {
         let world_from_environment = Some(world_from_environment);
         self.change(Change { world_from_environment, ..Change::default() })
+    }
+
+    /// Multiplies the radiance of the environment, in whatever way it is seen or lights. Nothing is fitted, filtered or uploaded again. The grade stays
+    /// when the lighting is set anew.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfRange`] for a factor below 0 or above 1e12.
+    pub fn set_environment_grade(&mut self, grade: Grade) -> Result<(), RenderError> {
+        self.change(Change { grade: Some(grade), ..Change::default() })
     }
 
     /// Takes an environment over: `map` is what the camera sees and mirrors reflect, `set` how it casts light and shadow.

@@ -1,6 +1,7 @@
 //! What a renderer makes of its settings and lights: built whole, then swapped in, so that what fails leaves everything as it was.
 
 use glam::{Quat, Vec3};
+use gnomon_envmap::Grade;
 use gnomon_scene::PlacedLight;
 use gnomon_shaders::layout;
 
@@ -64,6 +65,7 @@ pub(super) struct Surroundings<'a> {
     /// Whether gloss does.
     pub traces_gloss: bool,
     pub world_from_environment: Quat,
+    pub grade: Grade,
     /// Module for slot `bumps`.
     pub bumps: &'static str,
 }
@@ -72,9 +74,10 @@ impl Lit {
     /// What sums of light are multiplied by to be kept in halves ([`layout::View::sum_scales`]).
     pub fn sum_scales(&self) -> Vec3 {
         let scales = self.batches.sum_scales();
-        let Some(gloss) = self.gloss.as_ref().filter(|_| self.lighting.peak > 0.0) else { return scales };
+        let peak = self.lighting.peak();
+        let Some(gloss) = self.gloss.as_ref().filter(|_| peak > 0.0) else { return scales };
         // The mean of a lobe's samples is no brighter than the brightest texel, and what other surfaces send is about as bright at most.
-        let specular = 16384.0 / self.lighting.peak;
+        let specular = 16384.0 / peak;
         match gloss.mirrors_scene {
             true => scales.with_y(specular).with_z(scales.z.min(specular)),
             false => scales.with_y(specular),
@@ -101,10 +104,9 @@ impl Renderer {
         surroundings: &Surroundings<'_>,
         mut lighting: Lighting,
     ) -> Result<Lit, RenderError> {
-        let &Surroundings { gpu, chosen, technique, near_lights, world_from_environment, bumps, .. } =
-            surroundings;
+        let &Surroundings { gpu, chosen, technique, near_lights, bumps, .. } = surroundings;
         let ray_scene = surroundings.ray_scene.filter(|_| technique.traces_rays());
-        lighting.turn(world_from_environment);
+        lighting.set(surroundings.world_from_environment, surroundings.grade);
         let passes = &self.passes;
         let settings = &chosen.settings.techniques;
         let context = BatchContext {
@@ -166,6 +168,7 @@ impl Renderer {
             ray_scene: self.ray_scene.as_ref(),
             traces_gloss: lit.gloss.is_some(),
             world_from_environment: self.world_from_environment,
+            grade: self.grade,
             bumps: lit.bumps,
         };
         self.lit(&surroundings, lit.lighting.clone()).map(Some)

@@ -17,7 +17,7 @@ settings! {
     /// Parameters of percentage-closer soft shadows.
     pub struct PcssSettings in GROUP {
         /// Texels looked at for blockers.
-        search_samples: u32 = 12, whole(1, layout::PCSS_SAMPLES as i64);
+        search_samples: u32 = 16, whole(1, layout::PCSS_SAMPLES as i64);
         /// Shadow tests over the penumbra's kernel, each between four texels.
         filter_samples: u32 = 16, whole(1, layout::PCSS_SAMPLES as i64);
         /// Factor on the offset along the normal. The comparison with the receiver's own plane needs only so much as covers half a texel,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::{constant_map, gpu_or_skip, one_disk};
 use glam::{Affine3A, Quat, Vec3};
 use gnomon_brdf::Model;
-use gnomon_envmap::Equirect;
+use gnomon_envmap::{Equirect, Grade};
 use gnomon_lights::LightSet;
 use gnomon_picture::RgbImage;
 use gnomon_picture::tonemap::ToneMapping;
@@ -125,11 +125,12 @@ fn a_change_that_fails_leaves_no_trace() {
         settings: with(|s| s.display.tone_mapping = ToneMapping::Linear),
         scene: Some(SceneChange::Whole(&other)),
         world_from_environment: turn,
+        grade: Some(Grade { light: Vec3::splat(3.0), background: Vec3::ONE }),
         lighting: Some(LightingChange::Prepared(prepared(&constant_map(Vec3::X), &settings()))),
     };
     let of_settings = |settings| Change { settings, ..good() };
     let of_scene = |scene| Change { scene: Some(scene), ..good() };
-    let refused: [(&str, Change<'_>); 13] = [
+    let refused: [(&str, Change<'_>); 14] = [
         ("candles", of_settings(with(|s| s.techniques.shadows = "candles".to_owned()))),
         ("shadow-resolution", of_settings(with(|s| s.techniques.shadow_resolution = 100))),
         ("exposure", of_settings(with(|s| s.display.exposure = Some(1e3)))),
@@ -154,6 +155,7 @@ fn a_change_that_fails_leaves_no_trace() {
         ("texture", of_scene(SceneChange::Materials(&large_texture))),
         ("distance", of_scene(SceneChange::Pose(&moved_away))),
         ("rotation", Change { world_from_environment: Some(Quat::from_xyzw(0.0, 2.0, 0.0, 0.0)), ..good() }),
+        ("radiance", Change { grade: Some(Grade { light: Vec3::NAN, background: Vec3::ONE }), ..good() }),
         ("environment", Change { lighting: Some(LightingChange::Prepared(large_map)), ..good() }),
     ];
     for (number, (reason, change)) in refused.into_iter().enumerate() {
@@ -189,6 +191,7 @@ fn a_change_of_everything_at_once_is_what_a_fresh_renderer_draws() {
         settings: Some(settings.clone()),
         scene: Some(SceneChange::Whole(&other)),
         world_from_environment: Some(turn),
+        grade: Some(Grade { light: Vec3::new(3.0, 2.0, 1.0), background: Vec3::ONE }),
         lighting: Some(LightingChange::Prepared(prepared(&map, &settings))),
     };
     let mut fresh = Renderer::new(&gpu, settings.clone()).unwrap();

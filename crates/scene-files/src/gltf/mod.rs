@@ -77,7 +77,7 @@ pub fn read(source: &Source, budget: &mut Budget) -> Result<LoadedScene, Fault> 
         }
     }
     if scene.nodes.iter().all(|node| node.meshes.is_empty()) {
-        scene.warnings.push("the file places no meshes: nothing will be seen of it".to_owned());
+        scene.warnings.push("the file shows no meshes: nothing will be seen of it".to_owned());
     }
     origin::recenter(&root, &order, &mut scene);
     Ok(source.loaded(scene, Ground::Fade))

@@ -134,7 +134,9 @@ super::structs! {
         /// What is kept in halves is multiplied by these: diffuse light, specular light, that of the scene's own lights.
         pub sum_scales: Vec3,
         /// Radiance of a 1 in what is seen of the environment.
-        pub background_scale: f32,
+        pub background_factor: Vec3,
+        /// Radiance of a 1 in its maps, which light.
+        pub environment_factor: Vec3,
         /// SH coefficients (rgb) of the residual's radiance, in the order of `Sh9`.
         pub residual_sh: [Vec4; 9],
         /// The same of the whole environment.

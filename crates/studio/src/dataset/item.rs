@@ -193,23 +193,18 @@ impl Item {
         Ok(Self { scene, scene_options, environment, environment_options, view, pose, material, look })
     }
 
-    /// What items have in common that are best drawn one after another: first the environment, then the scene.
+    /// What items have in common that are best drawn one after another: first the environment, whose turn and grade need no other lights, then the
+    /// scene.
     pub fn group(&self) -> (String, String) {
-        let options = without_turn(&self.environment_options);
+        let mut look = Look::default();
+        self.environment_options.apply(&mut look.environment);
+        let options = look.environment.shown_as(&EnvironmentLook::default());
         (format!("{:?} {options:?}", self.environment), self.scene_key())
     }
 
     fn scene_key(&self) -> String {
         format!("{} {:?}", self.scene, self.scene_options)
     }
-}
-
-/// Options of an environment but for its turn, which needs no other lights.
-fn without_turn(given: &Given) -> Look {
-    let mut look = Look::default();
-    given.apply(&mut look.environment);
-    look.environment.rotation = 0.0;
-    look
 }
 
 fn view(mut table: Table) -> Result<View, StudioError> {
@@ -328,5 +323,28 @@ impl Stages {
         };
         self.surroundings = Some((key, surroundings.clone()));
         Ok(surroundings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Another pose, turn, strength or tint leaves the surroundings where they are: a session then makes no other lights.
+    #[test]
+    fn items_that_differ_in_how_light_is_shown_share_it() {
+        let item = |environment: &str| {
+            let text =
+                format!("scene = {{ file = 'column' }}\nenvironment = {{ file = 'room', {environment} }}");
+            Item::new(text.parse().unwrap()).unwrap()
+        };
+        let (plain, clamped) = (item("rotation = 5.0"), item("clamp = 2.0"));
+        let graded = item("rotation = 40.0, strength = 1.5, tint = [1.0, 0.5, 0.25]");
+        let mut stages = Stages::new(Path::new("."));
+        let [first, second, other] = [&plain, &graded, &clamped].map(|item| stages.stage(item).unwrap());
+        assert_eq!(plain.group(), graded.group());
+        assert_ne!(plain.group(), clamped.group());
+        assert!(first.surroundings().is(second.surroundings()) && first.grade() != second.grade());
+        assert!(!first.surroundings().is(other.surroundings()));
     }
 }

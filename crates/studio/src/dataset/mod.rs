@@ -226,6 +226,11 @@ impl Dataset {
         &self.manifest
     }
 
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
     /// What draws it, for [`Manifest::digest`].
     pub fn drawn_by(&self) -> Value {
         json!({ "gpu": self.gpu.adapter().name })

@@ -88,11 +88,11 @@ impl Record {
     ) -> Result<Self, StudioError> {
         let camera = stage.camera()?;
         let size = stage.look().picture.size;
-        let turn = stage.world_from_environment();
+        let (turn, grade) = (stage.world_from_environment(), stage.grade());
         let lights = lights.lights.iter().map(|light| LightRecord {
             direction: (turn * light.direction).to_array(),
             solid_angle: light.solid_angle,
-            radiance: light.radiance.to_array(),
+            radiance: (light.radiance * grade.light).to_array(),
         });
         let intrinsics = camera.intrinsics(size);
         Ok(Self {

@@ -123,7 +123,7 @@ impl Sequence {
         let mut digest = Digest::default();
         let mut look = self.look.clone();
         look.map = None;
-        (look.environment.rig, look.environment.background_map) = (None, None);
+        (look.environment.rig, look.environment.background_map, look.rig) = Default::default();
         let words = |look: &Look| {
             json!({
                 "program": concat!("gnomon ", env!("CARGO_PKG_VERSION")),
@@ -135,10 +135,10 @@ impl Sequence {
         };
         digest.add(words(&look).to_string().as_bytes());
         digest.add_scene(stage.scene());
-        let sky = stage.surroundings().sky();
+        let sky = stage.sky();
         digest.add_picture(sky.map.radiance());
         digest.add_picture(sky.background.radiance());
-        digest.add(format!("{:?}", sky.lights).as_bytes());
+        digest.add(format!("{:?}", (sky.lights, sky.grade)).as_bytes());
         let mut words = words(&self.look);
         words["scene"] = stage.source().to_string().into();
         (words, digest.to_string())

@@ -229,6 +229,65 @@ fn drawing_the_panel_changes_nothing() {
     assert_eq!(*viewer.studio().unwrap().look(), look);
 }
 
+/// By the panel's own controls: lights of the environment become a rig, of which one is moved, tinted, switched off, looked at alone and left out.
+#[test]
+fn a_rig_is_edited_in_the_panel() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(state) = render_state() else { return };
+    let mut viewer = viewer_in(folder.path());
+    viewer.rig_path = folder.path().join("rig.json").to_str().unwrap().to_owned();
+    let mut app = App::over(state, &mut viewer, None);
+    // So high that nothing has to be scrolled, and little of it a picture.
+    let mut window = Headless::new(400.0, 1500.0);
+    app.panel = Some(true);
+    window.rest(&mut app);
+    let mut click = |app: &mut App<'_>, name: &str| {
+        let pos = app.targets.place(name).unwrap_or_else(|| panic!("there is no '{name}'")).center();
+        let button = |pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        for event in [Event::PointerMoved(pos), button(true), button(false)] {
+            window.frame(vec![event], |ui| app.show(ui));
+        }
+        window.rest(app);
+        for _ in 0..30 {
+            window.frame(Vec::new(), |ui| app.show(ui));
+        }
+    };
+    let lights = |app: &mut App<'_>| {
+        let studio = app.viewer.studio().unwrap();
+        (studio.stage().rig().unwrap(), studio.lights().lights.clone())
+    };
+    click(&mut app, "section Light rig");
+    let fitted = app.viewer.studio().unwrap().lights().lights.clone();
+    click(&mut app, "save rig");
+    let (rig, before) = lights(&mut app);
+    assert_eq!((rig.lights.len(), before.len(), before[0].radiance), (6, 6, fitted[0].radiance));
+    // The middle of a slider's row.
+    click(&mut app, "rig azimuth");
+    let (moved, shown) = lights(&mut app);
+    assert_ne!(moved.lights[0].direction, rig.lights[0].direction);
+    assert!(shown[0].direction.abs_diff_eq(glam::Vec3::from(moved.lights[0].direction), 1e-5));
+    click(&mut app, "rig solo");
+    assert_eq!((lights(&mut app).0.solo, lights(&mut app).1.len()), (Some(0), 1));
+    assert_eq!(app.viewer.studio().unwrap().environment().flux().length(), 0.0);
+    click(&mut app, "rig solo");
+    click(&mut app, "rig on");
+    assert_eq!((lights(&mut app).0.lights[0].enabled, lights(&mut app).1.len()), (false, 5));
+    click(&mut app, "add light");
+    assert_eq!((app.viewer.rig_light, lights(&mut app).0.lights.len(), lights(&mut app).1.len()), (6, 7, 6));
+    click(&mut app, "save rig");
+    let saved = lights(&mut app);
+    assert!(app.viewer.studio().unwrap().look().rig.is_none() && saved.1.len() == 6);
+    click(&mut app, "remove light");
+    assert_eq!(lights(&mut app).1.len(), 5);
+    click(&mut app, "reload rig");
+    assert_eq!(lights(&mut app), saved);
+}
+
 #[test]
 fn nothing_runs_without_a_clip() {
     let folder = tempfile::tempdir().unwrap();

@@ -87,6 +87,22 @@ impl Fields<'_> {
         self.row(label, "", |ui, targets| tick(ui, targets, name, value, text))
     }
 
+    /// Buttons in a row; the one that was clicked.
+    pub fn buttons<'n>(&mut self, names: &[&'n str]) -> Option<&'n str> {
+        let targets = &mut *self.targets;
+        let mut clicked = None;
+        self.ui.horizontal(|ui| {
+            for &name in names {
+                let response = ui.button(name);
+                targets.put(ui, &response, name);
+                if response.clicked() {
+                    clicked = Some(name);
+                }
+            }
+        });
+        clicked
+    }
+
     /// A line to be typed, and a button that does something with it.
     pub fn line(&mut self, button: &str, name: &str, text: &mut String, hint: &str) -> bool {
         let targets = &mut *self.targets;
@@ -140,9 +156,12 @@ pub fn slide<N: emath::Numeric>(
     range: RangeInclusive<N>,
     unit: &str,
 ) -> bool {
-    ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
+    // Room for the number as it is written: where it was wider than that, the panel would grow frame by frame.
+    let room = if unit.is_empty() { 66.0 } else { 82.0 };
+    ui.spacing_mut().slider_width = (ui.available_width() - room).max(40.0);
+    let decimals = if unit.is_empty() { 4 } else { 2 };
     let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(unit);
-    let response = ui.add(if N::INTEGRAL { slider } else { slider.max_decimals(4) });
+    let response = ui.add(if N::INTEGRAL { slider } else { slider.max_decimals(decimals) });
     targets.put(ui, &response, name);
     response.changed()
 }

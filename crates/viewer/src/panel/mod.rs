@@ -4,6 +4,7 @@ mod environment;
 mod fields;
 mod material;
 mod options;
+mod rig;
 mod scene;
 mod times;
 mod view;
@@ -32,6 +33,7 @@ pub fn show(ui: &mut Ui, viewer: &mut Viewer, targets: &mut Targets) {
     fields.section(SCENE.heading, true, |fields| scene::show(fields, viewer, &mut wanted));
     fields.section("View", true, |fields| view::show(fields, viewer));
     fields.section(ENVIRONMENT.heading, true, |fields| environment::show(fields, &mut wanted, &in_force));
+    fields.section("Light rig", false, |fields| rig::show(fields, viewer, &mut wanted));
     for heading in options::headings(&wanted, &[SCENE.heading, ENVIRONMENT.heading]) {
         fields.section(heading.title, heading.open, |fields| {
             options::show(fields, &mut wanted, heading.title, &in_force, &options::as_declared);

@@ -65,6 +65,22 @@ impl Viewer {
         self.tell_saved(&path, saved);
     }
 
+    /// Writes the light rig as it is edited, or the fitted lights as one, and goes on with it.
+    pub fn save_rig(&mut self) {
+        let path = PathBuf::from(self.rig_path.trim());
+        let Some(studio) = &mut self.studio else { return };
+        let saved = studio.save_rig(&path);
+        self.tell_saved(&path, saved);
+    }
+
+    /// Drops all edits of the light rig, and reads its file anew.
+    pub fn reload_rig(&mut self) {
+        self.edit(|look| look.rig = None);
+        if let Some(studio) = &mut self.studio {
+            studio.reload_environment();
+        }
+    }
+
     fn tell_saved(&mut self, path: &Path, saved: Result<(), StudioError>) {
         match saved {
             Ok(()) => {
