@@ -74,7 +74,6 @@ fn wrong_arguments_are_one_line_and_exit_2() {
         (&["reference", "three-boxes", "--env", "absent.hdr", "-o", "a.exr"], "'absent.hdr'"),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--spp", "0"], "samples"),
         (&["reference", "three-boxes", "--env", "room", "-o", "a.exr", "--layers", "uv"], "found; a similar"),
-        (&["render", "three-boxes", "--env", "room", "-o", "a_####.png"], "#### is for a sequence"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--frames", "5..1"], "before the first"),
         (&["render", "three-boxes", "--env", "room", "-o", "a.png", "--budget-ms", "-1"], "a number above 0"),
         (
